@@ -1,0 +1,19 @@
+//! A whole ecosystem on a terrain at its steady state.
+//!
+//! Sources: L = "Authoring Consistent Landscapes with Flora and Fauna" (2021), T = thesis of
+//! 2020, chapter 5 and appendix A. One file or folder per stage, one pure function per stage;
+//! `jobs/ecosystem` chains them:
+//!
+//! 1. `terrain` – slope and aspect of the height map; `water` – lakes, rivers, drainage
+//! 2. `climate` – monthly temperature, sunlight with cast shadows, moisture; `soil`
+//! 3. `flora` – plants compete: one cover map a species, what is left of light and moisture
+//! 4. `regions` – where each animal can go: accessibility and confinement regions
+//! 5. `rag`, `travel` – the Resource Access Graph and its travel times
+//! 6. `fauna` – herbivores, then carnivores compete: herds per region
+//! 7. `trails` – the paths they wear
+//! 8. `planning` – what each herd does all day
+//! 9. `biomes`, `summary` – what the experts look at
+
+pub mod rag;
+pub mod resources;
+pub mod species;

@@ -1,0 +1,1 @@
+//! Graphs and the problems solved on them: shortest paths over a grid, components, assignment.

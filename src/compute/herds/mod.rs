@@ -1,0 +1,1 @@
+//! Herds: from a photo to animals that walk.

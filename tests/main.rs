@@ -1,0 +1,3 @@
+//! Everything that runs in this process: `mod` lines only.
+
+mod science;

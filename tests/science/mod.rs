@@ -1,0 +1,1 @@
+//! What must be true: closed forms, invariants, conserved sums, outside checks.
