@@ -2,8 +2,10 @@
 
 mod bounds;
 mod cell_grid;
+mod ellipse;
 mod point;
 
 pub use bounds::Bounds;
 pub use cell_grid::CellGrid;
+pub use ellipse::Ellipse;
 pub use point::Point;
