@@ -8,5 +8,7 @@
 //! ```
 //!
 //! * [`compute`] is what we know: pure functions, no I/O.
+//! * [`codec`] turns bytes into compute values and back.
 
+pub mod codec;
 pub mod compute;

@@ -1,0 +1,16 @@
+//! Bytes to compute values and back: every format that comes in or goes out.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`map`] | a map with its legend: the compact form it is stored in, GeoTIFF, picture |
+//! | [`binary`] | the compact form of everything else that is stored between stages |
+//! | [`colours`] | colour maps |
+//!
+//! Nothing here knows of storage, jobs or HTTP. Whatever comes in may be hostile: sizes are
+//! checked from the header before anything is allocated, and every error is a value that says
+//! what was expected and what was found.
+
+pub mod binary;
+mod blocks;
+pub mod colours;
+pub mod map;
