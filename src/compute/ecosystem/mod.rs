@@ -14,6 +14,8 @@
 //! 8. `planning` – what each herd does all day
 //! 9. `biomes`, `summary` – what the experts look at
 
+pub mod presence;
 pub mod rag;
 pub mod resources;
 pub mod species;
+pub mod ways;
