@@ -14,8 +14,12 @@
 //! 8. `planning` – what each herd does all day
 //! 9. `biomes`, `summary` – what the experts look at
 
+pub mod climate;
 pub mod presence;
 pub mod rag;
 pub mod resources;
+pub mod scales;
 pub mod species;
+pub mod terrain;
+pub mod water;
 pub mod ways;
