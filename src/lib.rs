@@ -7,8 +7,12 @@
 //! main → cli → http → app → jobs → {codec, storage} → compute        api hangs from nothing
 //! ```
 //!
+//! * [`jobs`] is the seam: processes, jobs, what they hand back, and the queue they wait in
+//! * [`storage`] keeps bytes by key
 //! * [`compute`] is what we know: pure functions, no I/O.
 //! * [`codec`] turns bytes into compute values and back.
 
 pub mod codec;
 pub mod compute;
+pub mod jobs;
+pub mod storage;

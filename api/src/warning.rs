@@ -1,0 +1,77 @@
+//! Every warning code, in one table, and a warning: something that could be worked with.
+
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde::Serialize;
+
+/// Makes [`WarningCode`] out of the table below.
+macro_rules! warning_codes {
+    ($($name:ident = $code:literal, $meaning:literal;)*) => {
+        /// What a result's reader should know, as a stable code.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum WarningCode {
+            $(#[doc = $meaning] $name,)*
+        }
+
+        impl WarningCode {
+            /// Every code, in the order of the table.
+            pub const ALL: &'static [Self] = &[$(Self::$name,)*];
+
+            /// The code as it stands on the wire.
+            pub const fn code(self) -> &'static str {
+                match self { $(Self::$name => $code,)* }
+            }
+
+            /// What the code means, in one sentence.
+            pub const fn meaning(self) -> &'static str {
+                match self { $(Self::$name => $meaning,)* }
+            }
+        }
+    };
+}
+
+warning_codes! {
+    // Terrains and other rasters.
+    EightBit = "EIGHT_BIT", "Heights of 8 bits: the ground will show steps.";
+    LooksByteswapped = "LOOKS_BYTESWAPPED", "The heights are much smoother with their bytes swapped.";
+    LooksFlipped = "LOOKS_FLIPPED", "The raster fits better when its rows are turned upside down.";
+    NodataPresent = "NODATA_PRESENT", "Some cells hold no data.";
+    NonSquareCell = "NON_SQUARE_CELL", "The cells are not square; the raster was resampled.";
+    GeographicCrs = "GEOGRAPHIC_CRS", "The raster is in degrees; it was projected to metres.";
+    NotPow2Plus1 = "NOT_POW2_PLUS1", "The size is not a power of two plus one, which some engines ask for.";
+    HalfPixelPoint = "HALF_PIXEL_POINT", "Values belong to points, not cells; the raster was moved by half a cell.";
+    HeightStep = "HEIGHT_STEP", "The smallest step of height is coarse.";
+}
+
+impl fmt::Display for WarningCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.code())
+    }
+}
+
+/// Something a reader of the result should know; the work went on.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Warning {
+    /// What it is about; a stable code.
+    pub code: String,
+    /// The input concerned, as a JSON pointer into the body; empty when none.
+    pub pointer: String,
+    /// A sentence for people.
+    pub message: String,
+    /// How many things it concerns (cells, animals …), at least 1.
+    pub count: u64,
+}
+
+impl Warning {
+    /// A warning of the kind `code` on the input at `pointer`, about one thing.
+    pub fn new(code: WarningCode, pointer: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { code: code.code().to_owned(), pointer: pointer.into(), message: message.into(), count: 1 }
+    }
+
+    /// The same warning about `count` things.
+    pub fn with_count(self, count: u64) -> Self {
+        Self { count, ..self }
+    }
+}

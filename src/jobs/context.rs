@@ -1,0 +1,160 @@
+//! What a job is handed when it runs.
+
+use std::collections::BTreeMap;
+
+use biotope_api::warning::Warning;
+use bytes::Bytes;
+use serde::Deserialize;
+use serde::Serialize;
+
+use crate::compute::run::Run;
+use crate::jobs::Artefact;
+use crate::jobs::Failure;
+use crate::jobs::Hasher;
+use crate::jobs::artefact::Kind;
+use crate::jobs::selection::Selection;
+use crate::jobs::sources::Sources;
+use crate::storage::BlockingStore;
+use crate::storage::Digest;
+use crate::storage::Key;
+
+/// What a job is handed when it runs: everything it may know of the world.
+pub struct JobContext<'a> {
+    /// When to stop, and where to report progress.
+    pub run: Run,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    sources: &'a dyn Sources,
+    store: &'a BlockingStore,
+    selection: Selection,
+    kept: Kept,
+}
+
+/// What a job has handed back so far.
+#[derive(Debug, Clone, Default)]
+pub struct Kept {
+    /// Its outputs by id.
+    pub outputs: BTreeMap<String, Stored>,
+    /// What readers should know.
+    pub warnings: Vec<Warning>,
+    /// Where numbers come from.
+    pub citations: Vec<Citation>,
+}
+
+/// An output as it is stored.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stored {
+    /// What kind of thing it is.
+    #[serde(flatten)]
+    pub kind: Kind,
+    /// Digest of its stored form, with the prefix `sha256:`.
+    pub digest: String,
+    /// Size of its stored form in bytes.
+    pub size: u64,
+}
+
+/// Where a number comes from.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Citation {
+    /// What the number is: `quercus-ilex.light`.
+    pub subject: String,
+    /// Where it comes from.
+    pub source: String,
+}
+
+/// A stage of a chain: a pure function of its parameters and inputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stage {
+    /// Its name.
+    pub name: &'static str,
+    /// To be raised whenever the same inputs give other bytes.
+    pub version: u32,
+    /// Digest of all its parameters and inputs; made with [`Hasher`].
+    pub inputs: Digest,
+}
+
+impl Stage {
+    /// The digest under which the result of the stage is stored.
+    pub fn digest(&self) -> Digest {
+        let Self { name, version, inputs } = self;
+        Hasher::new().part(name, format!("{version} {inputs}").as_bytes()).finish()
+    }
+}
+
+impl<'a> JobContext<'a> {
+    /// A context that stores in `store` what `selection` wants.
+    pub fn new(run: Run, seed: u64, selection: Selection, store: &'a BlockingStore, sources: &'a dyn Sources) -> Self {
+        Self { run, seed, sources, store, selection, kept: Kept::default() }
+    }
+
+    /// What stands behind references.
+    pub fn sources(&self) -> &dyn Sources {
+        self.sources
+    }
+
+    /// Whether the output `id` is to be kept. Work that serves only outputs that nobody wants
+    /// can be left out.
+    pub fn wants(&self, id: &str) -> bool {
+        self.selection.wants(id)
+    }
+
+    /// Hands back an output. One that is not wanted is dropped. Nobody sees it before the job
+    /// has succeeded.
+    ///
+    /// # Errors
+    /// When the process has no such output or it was handed back before (faults of ours), or
+    /// when the store fails.
+    pub fn put(&mut self, id: impl Into<String>, artefact: Artefact) -> Result<(), Failure> {
+        let id = id.into();
+        if !self.selection.knows(&id) {
+            return Err(Failure::Fault(format!("the process does not describe an output {id}")));
+        }
+        if !self.wants(&id) {
+            return Ok(());
+        }
+        let stored = self.store_artefact(&artefact)?;
+        match self.kept.outputs.insert(id.clone(), stored) {
+            None => Ok(()),
+            Some(_) => Err(Failure::Fault(format!("the output {id} was handed back twice"))),
+        }
+    }
+
+    /// Tells readers of the result something they should know.
+    pub fn warn(&mut self, warning: Warning) {
+        self.kept.warnings.push(warning);
+    }
+
+    /// Names where a number comes from.
+    pub fn cite(&mut self, subject: impl Into<String>, source: impl Into<String>) {
+        self.kept.citations.push(Citation { subject: subject.into(), source: source.into() });
+    }
+
+    /// The result of a stage: the stored one when the stage has run before with the same inputs,
+    /// in this job or any other; otherwise `work` is done and stored. Warnings belong in the
+    /// bytes, since `work` may not run.
+    ///
+    /// # Errors
+    /// Those of `work`, or when the store fails.
+    pub fn memo(&self, stage: Stage, work: impl FnOnce() -> Result<Bytes, Failure>) -> Result<Bytes, Failure> {
+        let key = Key::Stage(stage.digest());
+        if let Some(bytes) = self.store.find(&key)? {
+            return Ok(bytes);
+        }
+        self.run.check()?;
+        let bytes = work()?;
+        self.store.put(&key, bytes.clone())?;
+        Ok(bytes)
+    }
+
+    /// What has been handed back; the context is used up.
+    pub fn finish(self) -> Kept {
+        self.kept
+    }
+
+    fn store_artefact(&self, artefact: &Artefact) -> Result<Stored, Failure> {
+        let bytes = artefact.to_stored().map_err(Failure::fault)?;
+        let size = bytes.len() as u64;
+        let digest = self.store.put_blob(bytes)?.to_string();
+        Ok(Stored { kind: artefact.kind(), digest, size })
+    }
+}

@@ -1,0 +1,44 @@
+//! The seam between what clients say and what we know.
+//!
+//! A capability is a **process**: it describes its inputs and outputs, and parses inputs into a
+//! **job** that cannot be wrong. A job runs once: load, compute, store; everything it needs from
+//! the world is in its [`JobContext`]. To add a process: wire types in `api/`, one file here,
+//! one line in [`registry`], an example in `api/examples/`. `echo` is the smallest one to read.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`process`], [`job`], [`context`] | the three traits and types a process is made of |
+//! | [`invalid`], [`schema`] | every fault of a client's input, with its place |
+//! | [`sources`] | what stands behind a reference |
+//! | [`artefact`], [`table`] | what a job hands back, and the forms it can be had in |
+//! | [`selection`] | which outputs a client wants |
+//! | [`registry`] | the list of processes |
+//! | [`echo`] and the others | one file a process |
+
+pub mod artefact;
+pub mod context;
+pub mod echo;
+pub mod invalid;
+pub mod job;
+pub mod process;
+pub mod registry;
+pub mod schema;
+pub mod selection;
+pub mod sources;
+pub mod table;
+
+pub use artefact::Artefact;
+pub use context::JobContext;
+pub use context::Stage;
+pub use invalid::Invalid;
+pub use job::Estimate;
+pub use job::Failure;
+pub use job::Job;
+pub use process::Description;
+pub use process::Output;
+pub use process::Process;
+pub use sources::Sources;
+pub use table::Table;
+
+pub use crate::storage::Digest;
+pub use crate::storage::Hasher;

@@ -1,0 +1,32 @@
+use object_store::path::Path;
+
+use crate::storage::Digest;
+
+/// Where bytes stand.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Key {
+    /// Bytes under the digest of themselves.
+    Blob(Digest),
+    /// The result of a stage, under the digest of all that it depends on.
+    Stage(Digest),
+    /// A blob in another form, made on request; may be dropped at any time.
+    Encoded(Digest, String),
+}
+
+impl Key {
+    /// The path of the key in the store.
+    pub fn path(&self) -> Path {
+        match self {
+            Self::Blob(digest) => sharded("blobs", digest, ""),
+            Self::Stage(digest) => sharded("stages", digest, ""),
+            Self::Encoded(digest, extension) => sharded("encoded", digest, extension),
+        }
+    }
+}
+
+/// `<folder>/<first two digits>/<digits>[.<extension>]`: folders stay small.
+fn sharded(folder: &str, digest: &Digest, extension: &str) -> Path {
+    let hex = digest.hex();
+    let dot = if extension.is_empty() { "" } else { "." };
+    Path::from(format!("{folder}/{}/{hex}{dot}{extension}", &hex[..2]))
+}

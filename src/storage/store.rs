@@ -1,0 +1,135 @@
+use std::ops::Range;
+use std::path::Path as FilePath;
+use std::sync::Arc;
+
+use bytes::Bytes;
+use object_store::ObjectStore;
+use object_store::ObjectStoreExt as _;
+use object_store::PutPayload;
+use object_store::local::LocalFileSystem;
+use object_store::memory::InMemory;
+
+use crate::storage::Digest;
+use crate::storage::Key;
+use crate::storage::StoreError;
+
+/// Bytes by key, in a local folder or in memory. Clones share one store.
+#[derive(Debug, Clone)]
+pub struct Store(Arc<dyn ObjectStore>);
+
+impl Store {
+    /// A store in `folder`, which is made when absent. Writes reach the disk before they count.
+    ///
+    /// # Errors
+    /// When the folder cannot be made or opened.
+    pub fn in_folder(folder: &FilePath) -> Result<Self, StoreError> {
+        let refuse = |cause| StoreError::Folder { folder: folder.to_owned(), cause };
+        std::fs::create_dir_all(folder).map_err(refuse)?;
+        let local = LocalFileSystem::new_with_prefix(folder).map_err(|e| refuse(std::io::Error::other(e)))?;
+        Ok(Self(Arc::new(local.with_fsync(true))))
+    }
+
+    /// A store in memory: for tests and for work without a server.
+    pub fn in_memory() -> Self {
+        Self(Arc::new(InMemory::new()))
+    }
+
+    /// Stores `bytes` under their digest; bytes that are there already are not written again.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub async fn put_blob(&self, bytes: Bytes) -> Result<Digest, StoreError> {
+        let digest = Digest::of(&bytes);
+        let key = Key::Blob(digest);
+        if !self.contains(&key).await? {
+            self.put(&key, bytes).await?;
+        }
+        Ok(digest)
+    }
+
+    /// Stores `bytes` under `key`, whole or not at all.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub async fn put(&self, key: &Key, bytes: Bytes) -> Result<(), StoreError> {
+        let path = key.path();
+        let done = self.0.put(&path, PutPayload::from_bytes(bytes)).await;
+        done.map(drop).map_err(|cause| fault(key, cause))
+    }
+
+    /// The bytes under `key`.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`] when there are none; otherwise when the store fails.
+    pub async fn get(&self, key: &Key) -> Result<Bytes, StoreError> {
+        let found = self.0.get(&key.path()).await.map_err(|cause| fault(key, cause))?;
+        found.bytes().await.map_err(|cause| fault(key, cause))
+    }
+
+    /// A part of the bytes under `key`.
+    ///
+    /// # Errors
+    /// As [`Store::get`]; also when the range lies outside.
+    pub async fn get_range(&self, key: &Key, range: Range<u64>) -> Result<Bytes, StoreError> {
+        self.0.get_range(&key.path(), range).await.map_err(|cause| fault(key, cause))
+    }
+
+    /// The number of bytes under `key`.
+    ///
+    /// # Errors
+    /// As [`Store::get`].
+    pub async fn size(&self, key: &Key) -> Result<u64, StoreError> {
+        self.0.head(&key.path()).await.map(|meta| meta.size).map_err(|cause| fault(key, cause))
+    }
+
+    /// Whether anything stands under `key`.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub async fn contains(&self, key: &Key) -> Result<bool, StoreError> {
+        match self.size(key).await {
+            Ok(_) => Ok(true),
+            Err(StoreError::NotFound { .. }) => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Removes what stands under `key`, if anything.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub async fn remove(&self, key: &Key) -> Result<(), StoreError> {
+        match self.0.delete(&key.path()).await.map_err(|cause| fault(key, cause)) {
+            Err(StoreError::NotFound { .. }) => Ok(()),
+            other => other,
+        }
+    }
+}
+
+fn fault(key: &Key, cause: object_store::Error) -> StoreError {
+    let key = key.path().to_string();
+    match cause {
+        object_store::Error::NotFound { .. } => StoreError::NotFound { key },
+        cause => StoreError::Backend { key, cause },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn the_same_bytes_are_stored_once_and_read_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::in_folder(folder.path()).unwrap();
+        let digest = store.put_blob(Bytes::from_static(b"reindeer")).await.unwrap();
+        assert_eq!(store.put_blob(Bytes::from_static(b"reindeer")).await.unwrap(), digest);
+        let key = Key::Blob(digest);
+        assert_eq!(store.get(&key).await.unwrap(), "reindeer");
+        assert_eq!(store.get_range(&key, 4..8).await.unwrap(), "deer");
+        assert_eq!(store.size(&key).await.unwrap(), 8);
+        store.remove(&key).await.unwrap();
+        store.remove(&key).await.unwrap();
+        assert!(matches!(store.get(&key).await, Err(StoreError::NotFound { .. })));
+    }
+}
