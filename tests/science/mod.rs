@@ -1,1 +1,4 @@
 //! What must be true: closed forms, invariants, conserved sums, outside checks.
+
+mod herds_drawn;
+mod herds_extraction;

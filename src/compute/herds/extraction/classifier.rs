@@ -1,0 +1,147 @@
+use super::ExtractionError;
+use super::Mark;
+use super::Photo;
+use super::colour;
+use crate::compute::run::Run;
+use linfa::prelude::Fit;
+use linfa::prelude::ParamGuard;
+use linfa_svm::Svm;
+use ndarray16::Array1;
+use ndarray16::Array2;
+use rayon::prelude::*;
+
+/// Decision values are cut to ±1 and stored in this many steps.
+const SCORE_SCALE: f64 = 100.0;
+
+/// Multipliers below this are no support vectors (as the solver counts them).
+const NO_SUPPORT: f64 = 2e-14;
+
+/// The support vector machine on colour.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClassifierOptions {
+    /// The most pixels learnt from, half of each kind, spread evenly over all that are marked.
+    /// The solver keeps the square of it in memory. Default: 2,000.
+    pub max_samples: usize,
+    /// Price of a sample on the wrong side. Default: 10 (ours: noise at the rims of scribbles is
+    /// to be overruled, whole scribbles are not).
+    pub c: f64,
+    /// The least share of samples that must be told apart. Default: 0.7 (ours); below it the
+    /// scribbles contradict each other.
+    pub least_accuracy: f64,
+}
+
+impl Default for ClassifierOptions {
+    fn default() -> Self {
+        Self { max_samples: 2000, c: 10.0, least_accuracy: 0.7 }
+    }
+}
+
+/// A trained support vector machine with a Gaussian kernel on standardised L\*a\*b\*.
+pub(super) struct Classifier {
+    /// Support vectors (standardised) with their signed multipliers.
+    support: Vec<([f64; 3], f64)>,
+    rho: f64,
+    standard: Standard,
+    /// Share of the training samples that are given back as they were marked.
+    pub training_accuracy: f64,
+}
+
+/// What makes each part of the colour vary by 1 over the samples.
+struct Standard {
+    mean: [f64; 3],
+    deviation: [f64; 3],
+}
+
+/// Learns animal from ground.
+pub(super) fn train(photo: &Photo, marks: &[Mark], options: &ClassifierOptions) -> Result<Classifier, ExtractionError> {
+    let half = (options.max_samples / 2).max(1);
+    let (animals, ground) = (samples(photo, marks, Mark::Animal, half), samples(photo, marks, Mark::Ground, half));
+    let targets: Vec<bool> = animals.iter().map(|_| true).chain(ground.iter().map(|_| false)).collect();
+    let price = |n: usize| options.c * targets.len() as f64 / (2.0 * n as f64);
+    let prices = (price(animals.len()), price(ground.len()));
+    let colours = [animals, ground].concat();
+    let standard = Standard::of(&colours);
+    let features: Vec<[f64; 3]> = colours.iter().map(|c| standard.apply(*c)).collect();
+    let mut classifier = fit(&features, &targets, prices)?.with(standard);
+    let right = features.iter().zip(&targets).filter(|(f, t)| (classifier.decide(**f) >= 0.0) == **t).count();
+    classifier.training_accuracy = right as f64 / targets.len() as f64;
+    if classifier.training_accuracy < options.least_accuracy {
+        return Err(ExtractionError::SameColours { percent: 100.0 * classifier.training_accuracy });
+    }
+    Ok(classifier)
+}
+
+/// Up to `most` colours under `mark`, evenly spread over all its pixels.
+fn samples(photo: &Photo, marks: &[Mark], mark: Mark, most: usize) -> Vec<[f64; 3]> {
+    let pixels: Vec<usize> = (0..marks.len()).filter(|&i| marks[i] == mark).collect();
+    let count = pixels.len().min(most);
+    (0..count)
+        .map(|k| colour::lab(photo.pixel(pixels[(2 * k + 1) * pixels.len() / (2 * count)]).map(f64::from)))
+        .collect()
+}
+
+/// A machine before its accuracy is known.
+struct Machine {
+    support: Vec<([f64; 3], f64)>,
+    rho: f64,
+}
+
+impl Machine {
+    fn with(self, standard: Standard) -> Classifier {
+        Classifier { support: self.support, rho: self.rho, standard, training_accuracy: 0.0 }
+    }
+}
+
+/// Sequential minimal optimisation by linfa; the stopping tolerance 10⁻³ is LIBSVM's, the kernel
+/// width exp(−d²/3) is the customary one for three standardised features.
+fn fit(features: &[[f64; 3]], targets: &[bool], prices: (f64, f64)) -> Result<Machine, ExtractionError> {
+    let failed = |reason: String| ExtractionError::Classifier { reason };
+    let records = Array2::from_shape_vec((features.len(), 3), features.concat()).map_err(|e| failed(e.to_string()))?;
+    let data = linfa::Dataset::new(records, Array1::from_vec(targets.to_vec()));
+    let params = Svm::<f64, bool>::params().pos_neg_weights(prices.0, prices.1).eps(1e-3).gaussian_kernel(3.0);
+    let model = params.check().and_then(|p| p.fit(&data)).map_err(|e| failed(e.to_string()))?;
+    let support = features.iter().copied().zip(model.alpha.iter().copied()).filter(|(_, a)| a.abs() > NO_SUPPORT);
+    Ok(Machine { support: support.collect(), rho: model.rho })
+}
+
+impl Classifier {
+    fn decide(&self, feature: [f64; 3]) -> f64 {
+        let kernel = |s: &[f64; 3]| {
+            let d: f64 = (0..3).map(|i| (s[i] - feature[i]) * (s[i] - feature[i])).sum();
+            libm::exp(-d / 3.0)
+        };
+        self.support.iter().map(|(s, alpha)| alpha * kernel(s)).sum::<f64>() - self.rho
+    }
+
+    /// The decision value of every pixel, cut to ±1 and in steps of 1/100: positive for animals.
+    /// Evaluated once per colour that occurs, the rest is looking up.
+    pub(super) fn scores(&self, photo: &Photo, run: &Run) -> Result<Vec<i8>, ExtractionError> {
+        let mut occurs = vec![false; colour::COLOURS];
+        photo.rgb().chunks_exact(3).for_each(|p| occurs[colour::quantise([p[0], p[1], p[2]])] = true);
+        run.check()?;
+        let table: Vec<i8> =
+            occurs.par_iter().enumerate().map(|(i, &occurs)| if occurs { self.score(i) } else { 0 }).collect();
+        run.check()?;
+        Ok(photo.rgb().par_chunks_exact(3).map(|p| table[colour::quantise([p[0], p[1], p[2]])]).collect())
+    }
+
+    fn score(&self, colour: usize) -> i8 {
+        let feature = self.standard.apply(colour::lab(colour::representative(colour)));
+        (self.decide(feature).clamp(-1.0, 1.0) * SCORE_SCALE) as i8
+    }
+}
+
+impl Standard {
+    fn of(colours: &[[f64; 3]]) -> Self {
+        let n = colours.len() as f64;
+        let mean = [0, 1, 2].map(|i| colours.iter().map(|c| c[i]).sum::<f64>() / n);
+        // A part that does not vary (grey pictures) is left as it is: one unit of L*a*b*.
+        let deviation =
+            [0, 1, 2].map(|i| (colours.iter().map(|c| (c[i] - mean[i]).powi(2)).sum::<f64>() / n).sqrt().max(1.0));
+        Self { mean, deviation }
+    }
+
+    fn apply(&self, colour: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|i| (colour[i] - self.mean[i]) / self.deviation[i])
+    }
+}
