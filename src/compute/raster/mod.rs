@@ -3,6 +3,8 @@
 mod bucket_queue;
 pub mod compass;
 mod grid;
+mod outline;
 
 pub use bucket_queue::BucketQueue;
 pub use grid::{Cell, Grid, Raster};
+pub use outline::outline;

@@ -1,0 +1,150 @@
+use crate::compute::geometry::Point;
+use geo::BooleanOps;
+use geo::Validation;
+
+/// The most vertices all polygons of one region may have together.
+pub const MAX_VERTICES: usize = 200_000;
+
+/// A polygon with holes. Rings are open (the first vertex is not repeated), of either direction.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Polygon {
+    /// The outer ring.
+    pub outer: Vec<Point>,
+    /// The rings cut out of it.
+    pub holes: Vec<Vec<Point>>,
+}
+
+/// Why polygons do not bound a region.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PolygonError {
+    /// A ring needs three vertices.
+    #[error("polygon {polygon}: a ring has {found} vertices, at least 3 are needed")]
+    TooFewVertices {
+        /// The polygon's place in the list.
+        polygon: usize,
+        /// Vertices found.
+        found: usize,
+    },
+    /// A coordinate is infinite or not a number.
+    #[error("polygon {polygon} has a coordinate that is not finite")]
+    NotFinite {
+        /// The polygon's place in the list.
+        polygon: usize,
+    },
+    /// A ring crosses itself or another ring of its polygon.
+    #[error("polygon {polygon} crosses itself: {how}")]
+    Crossing {
+        /// The polygon's place in the list.
+        polygon: usize,
+        /// Which rings cross.
+        how: String,
+    },
+    /// More vertices than [`MAX_VERTICES`].
+    #[error("{found} vertices, at most {MAX_VERTICES} are allowed")]
+    TooManyVertices {
+        /// Vertices found.
+        found: usize,
+    },
+    /// The polygons enclose no area.
+    #[error("the polygons enclose no area")]
+    NoArea,
+}
+
+/// Twice the signed area of a ring: positive when it runs counter-clockwise.
+pub fn ring_area_doubled(ring: &[Point]) -> f64 {
+    let Some(origin) = ring.first() else { return 0.0 };
+    let next = ring.iter().cycle().skip(1);
+    ring.iter().zip(next).map(|(a, b)| (*a - *origin).cross(*b - *origin)).sum()
+}
+
+/// The union of `polygons` in normal form: outer rings counter-clockwise, holes clockwise, no
+/// two polygons overlapping. A single polygon keeps its coordinates; several are overlaid on an
+/// integer grid of about a billionth of their extent.
+///
+/// # Errors
+/// Anything that keeps a polygon from bounding an area ([`PolygonError`]).
+pub fn union(polygons: &[Polygon]) -> Result<Vec<Polygon>, PolygonError> {
+    let found = polygons.iter().map(Polygon::vertices).sum();
+    if found > MAX_VERTICES {
+        return Err(PolygonError::TooManyVertices { found });
+    }
+    let valid = polygons.iter().enumerate().map(|(i, p)| p.checked(i)).collect::<Result<Vec<_>, _>>()?;
+    match valid.as_slice() {
+        [one] => Ok(from_geo(&geo::MultiPolygon(vec![one.clone()]))),
+        several => Ok(from_geo(&geo::unary_union(several))),
+    }
+}
+
+/// The part of `polygons` outside `others`; both in normal form.
+pub fn difference(polygons: &[Polygon], others: &[Polygon]) -> Vec<Polygon> {
+    from_geo(&to_geo(polygons).difference(&to_geo(others)))
+}
+
+/// The part of `polygons` inside `others`; both in normal form.
+pub fn intersection(polygons: &[Polygon], others: &[Polygon]) -> Vec<Polygon> {
+    from_geo(&to_geo(polygons).intersection(&to_geo(others)))
+}
+
+impl Polygon {
+    /// Vertices of all rings.
+    pub fn vertices(&self) -> usize {
+        self.outer.len() + self.holes.iter().map(Vec::len).sum::<usize>()
+    }
+
+    /// The outer ring, then the holes.
+    pub fn rings(&self) -> impl Iterator<Item = &[Point]> {
+        std::iter::once(self.outer.as_slice()).chain(self.holes.iter().map(Vec::as_slice))
+    }
+
+    fn checked(&self, polygon: usize) -> Result<geo::Polygon<f64>, PolygonError> {
+        if let Some(found) = self.rings().map(distinct).find(|n| *n < 3) {
+            return Err(PolygonError::TooFewVertices { polygon, found });
+        }
+        if self.rings().flatten().any(|p| !p.is_finite()) {
+            return Err(PolygonError::NotFinite { polygon });
+        }
+        if self.rings().any(|ring| ring_area_doubled(ring) == 0.0) {
+            return Err(PolygonError::NoArea);
+        }
+        let shape = to_geo_polygon(self);
+        shape.check_validation().map_err(|e| PolygonError::Crossing { polygon, how: e.to_string() })?;
+        Ok(shape)
+    }
+}
+
+fn distinct(ring: &[Point]) -> usize {
+    let closed = ring.len() > 1 && ring.first() == ring.last();
+    ring.len() - usize::from(closed)
+}
+
+fn to_geo_ring(ring: &[Point]) -> geo::LineString<f64> {
+    ring.iter().map(|p| geo::Coord { x: p.x, y: p.y }).collect()
+}
+
+fn to_geo_polygon(polygon: &Polygon) -> geo::Polygon<f64> {
+    geo::Polygon::new(to_geo_ring(&polygon.outer), polygon.holes.iter().map(|h| to_geo_ring(h)).collect())
+}
+
+pub(super) fn to_geo(polygons: &[Polygon]) -> geo::MultiPolygon<f64> {
+    geo::MultiPolygon(polygons.iter().map(to_geo_polygon).collect())
+}
+
+pub(super) fn from_geo(shapes: &geo::MultiPolygon<f64>) -> Vec<Polygon> {
+    let polygon = |p: &geo::Polygon<f64>| Polygon {
+        outer: from_geo_ring(p.exterior(), 1.0),
+        holes: p.interiors().iter().map(|h| from_geo_ring(h, -1.0)).filter(|h| h.len() >= 3).collect(),
+    };
+    shapes.0.iter().map(polygon).filter(|p| p.outer.len() >= 3).collect()
+}
+
+/// An open ring whose area has the sign of `direction`.
+fn from_geo_ring(ring: &geo::LineString<f64>, direction: f64) -> Vec<Point> {
+    let mut points: Vec<Point> = ring.0.iter().map(|c| Point::new(c.x, c.y)).collect();
+    if points.len() > 1 && points.first() == points.last() {
+        points.pop();
+    }
+    if ring_area_doubled(&points) * direction < 0.0 {
+        points.reverse();
+    }
+    points
+}

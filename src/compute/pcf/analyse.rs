@@ -1,0 +1,218 @@
+use crate::compute::geometry::Region;
+use crate::compute::pcf::Axis;
+use crate::compute::pcf::Body;
+use crate::compute::pcf::BorderWeight;
+use crate::compute::pcf::Correlator;
+use crate::compute::pcf::Crowd;
+use crate::compute::pcf::Curve;
+use crate::compute::pcf::Dependencies;
+use crate::compute::pcf::Element;
+use crate::compute::pcf::Frame;
+use crate::compute::pcf::Kernel;
+use crate::compute::pcf::Metric;
+use crate::compute::pcf::PcfError;
+use crate::compute::pcf::WEIGHT_CAP;
+use crate::compute::pcf::curve;
+use crate::compute::pcf::mass;
+use crate::compute::pcf::maximal_spacing;
+use crate::compute::run::Run;
+use rayon::prelude::*;
+
+/// Elements whose curves are held at one time when individual curves are not kept.
+const CHUNK: usize = 1024;
+
+/// How a pattern is analysed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnalysisOptions {
+    /// The distance of the axis.
+    pub metric: Metric,
+    /// The axis and its kernel.
+    pub axis: Axis,
+    /// The most a pair is weighted for the border. Default: [`WEIGHT_CAP`].
+    pub weight_cap: f64,
+    /// Whether individual curves are returned.
+    pub keep_individual: bool,
+}
+
+impl AnalysisOptions {
+    /// The defaults for `metric`.
+    pub fn of(metric: Metric) -> Self {
+        let axis = Axis::with_extent(metric.default_extent());
+        Self { metric, axis, weight_cap: WEIGHT_CAP, keep_individual: false }
+    }
+}
+
+/// What is known of one class of a pattern.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClassSummary {
+    /// Number of elements.
+    pub count: usize,
+    /// Their radii in metres, in the order of the elements.
+    pub radii: Vec<f64>,
+    /// The maximal spacing r_max of that many elements in the domain, in metres (T eq. 3.1).
+    pub r_max: f64,
+}
+
+/// The learnt pattern: all that a synthesis needs.
+#[derive(Debug, Clone)]
+pub struct Analysis {
+    /// The distance of the axis.
+    pub metric: Metric,
+    /// Area of the domain in m².
+    pub area: f64,
+    /// The classes, by number.
+    pub classes: Vec<ClassSummary>,
+    /// Which class looks at which.
+    pub dependencies: Dependencies,
+    /// One curve for each of [`Dependencies::curves`], in that order.
+    pub curves: Vec<Curve>,
+}
+
+impl Analysis {
+    /// The curve of `child` looking at `parent`.
+    pub fn curve(&self, child: usize, parent: usize) -> Option<&Curve> {
+        self.curves.iter().find(|c| c.child == child && c.parent == parent)
+    }
+}
+
+/// The correlation curves of `elements` observed in `domain`, one for every class and every
+/// dependency (T eq. 3.2–3.4, 3.8; counts as n(n−1) and n_a·n_b, ring areas as the expected
+/// kernel mass, so that independent uniform patterns give 1 everywhere).
+///
+/// A curve of a child and a parent looks from the child's elements: distances in r_max of the
+/// child, border weights of circles around the child's elements.
+///
+/// # Errors
+/// [`PcfError::EmptyClass`] for a class of `dependencies` without elements; a bad axis; a stop.
+pub fn analyse(
+    elements: &[Element],
+    domain: &Region,
+    (dependencies, options): (&Dependencies, &AnalysisOptions),
+    run: &Run,
+) -> Result<Analysis, PcfError> {
+    let axis = options.axis.checked()?;
+    let correlator = Correlator { metric: options.metric, kernel: Kernel::new(axis), weight_cap: options.weight_cap };
+    let classes = summaries(elements, dependencies, domain.area())?;
+    let mut curves = Vec::new();
+    for (done, class) in dependencies.order().iter().enumerate() {
+        run.progress("distribution.analysis", done as u64, classes.len() as u64)?;
+        let child = Child { class: *class, elements, classes: &classes, domain, correlator: &correlator };
+        curves.extend(child.curves(dependencies.parents(*class), options.keep_individual, run)?);
+    }
+    let area = domain.area();
+    Ok(Analysis { metric: options.metric, area, classes, dependencies: dependencies.clone(), curves })
+}
+
+fn summaries(elements: &[Element], graph: &Dependencies, area: f64) -> Result<Vec<ClassSummary>, PcfError> {
+    let summary = |class: usize| {
+        let radii: Vec<f64> = elements.iter().filter(|e| e.class == class).map(|e| e.radius).collect();
+        let count = radii.len();
+        (count > 0).then(|| ClassSummary { count, radii, r_max: maximal_spacing(area, count) })
+    };
+    (0..graph.order().len()).map(|class| summary(class).ok_or(PcfError::EmptyClass { class })).collect()
+}
+
+/// The bodies of one class in `unit` metres.
+pub(super) fn bodies(elements: &[Element], class: usize, unit: f64) -> Vec<Body> {
+    let frame = Frame::of_unit(unit);
+    let body = |e: &Element| Body { centre: e.centre, radius: e.radius / unit, frame };
+    elements.iter().filter(|e| e.class == class).map(body).collect()
+}
+
+/// M(r) for elements of these radii (in metres) looking at each other, in `unit` metres.
+pub(super) fn expected_mass(metric: Metric, axis: &Axis, (a, b, same): (&[f64], &[f64], bool), unit: f64) -> Vec<f64> {
+    let scaled = |radii: &[f64]| radii.iter().map(|r| r / unit).collect::<Vec<f64>>();
+    match metric {
+        Metric::Disk => mass::of_disks(axis, &mass::RadiusMoments::of(&scaled(a), &scaled(b), same)),
+        Metric::Point | Metric::Ellipse => mass::of_points(axis),
+    }
+}
+
+/// One class looking around.
+struct Child<'a> {
+    class: usize,
+    elements: &'a [Element],
+    classes: &'a [ClassSummary],
+    domain: &'a Region,
+    correlator: &'a Correlator,
+}
+
+impl Child<'_> {
+    fn curves(&self, parents: &[usize], keep: bool, run: &Run) -> Result<Vec<Curve>, PcfError> {
+        let unit = self.classes[self.class].r_max;
+        let crowd = |class: usize| Crowd::new(bodies(self.elements, class, unit), unit);
+        let targets: Vec<usize> = std::iter::once(self.class).chain(parents.iter().copied()).collect();
+        let crowds: Vec<Crowd> = targets.iter().map(|c| crowd(*c)).collect();
+        let mut curves: Vec<CurveSum> = targets.iter().map(|p| CurveSum::new(self.empty_curve(*p), keep)).collect();
+        let mut factors: Vec<Vec<f64>> = Vec::new();
+        for (sum, parent) in curves.iter().zip(&targets) {
+            let partners = self.classes[*parent].count - usize::from(*parent == self.class);
+            factors.push(curve::factors(&sum.curve.mass, partners as f64 * unit * unit / self.domain.area()));
+        }
+        let count = self.classes[self.class].count;
+        for start in (0..count).step_by(CHUNK) {
+            let rows: Vec<Vec<Vec<f64>>> = (start..(start + CHUNK).min(count))
+                .into_par_iter()
+                .map(|i| if run.is_stopped() { Vec::new() } else { self.rows(i, &crowds, &factors) })
+                .collect();
+            run.check()?;
+            for row in rows.into_iter().flat_map(|rows| rows.into_iter().enumerate()) {
+                curves[row.0].add(row.1);
+            }
+        }
+        Ok(curves.into_iter().map(CurveSum::finish).collect())
+    }
+
+    /// The individual curves of element `i` towards each crowd; the first is its own class.
+    fn rows(&self, i: usize, crowds: &[Crowd], factors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let body = &crowds[0].bodies()[i];
+        let reach = crowds.iter().map(|c| self.correlator.reach(body, c)).fold(0.0, f64::max);
+        let weight = BorderWeight::new(self.domain, body, reach, self.correlator.weight_cap);
+        let row = |(k, crowd): (usize, &Crowd)| {
+            let mut row = vec![0.0; factors[k].len()];
+            self.correlator.add_row(&mut row, (body, &weight), crowd, (k == 0).then_some(i));
+            row.iter_mut().zip(&factors[k]).for_each(|(value, factor)| *value *= factor);
+            row
+        };
+        crowds.iter().enumerate().map(row).collect()
+    }
+
+    fn empty_curve(&self, parent: usize) -> Curve {
+        let (axis, unit) = (self.correlator.kernel.axis(), self.classes[self.class].r_max);
+        let radii = (&*self.classes[self.class].radii, &*self.classes[parent].radii, parent == self.class);
+        let mass = expected_mass(self.correlator.metric, &axis, radii, unit);
+        Curve { child: self.class, parent, unit, axis, mass, ..Curve::empty(axis) }
+    }
+}
+
+/// A curve being gathered from individual ones.
+pub(super) struct CurveSum {
+    curve: Curve,
+    count: usize,
+    keep: bool,
+}
+
+impl CurveSum {
+    pub(super) fn new(curve: Curve, keep: bool) -> Self {
+        Self { curve, count: 0, keep }
+    }
+
+    pub(super) fn add(&mut self, row: Vec<f64>) {
+        let curve = &mut self.curve;
+        for (bin, value) in row.iter().enumerate() {
+            curve.mean[bin] += value;
+            curve.lower[bin] = if self.count == 0 { *value } else { curve.lower[bin].min(*value) };
+            curve.upper[bin] = curve.upper[bin].max(*value);
+        }
+        self.count += 1;
+        if self.keep {
+            curve.individual.push(row);
+        }
+    }
+
+    pub(super) fn finish(mut self) -> Curve {
+        let count = self.count.max(1) as f64;
+        self.curve.mean.iter_mut().for_each(|v| *v /= count);
+        self.curve
+    }
+}
