@@ -2,3 +2,4 @@
 
 mod herds_drawn;
 mod herds_extraction;
+mod herds_photo;

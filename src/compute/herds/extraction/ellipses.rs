@@ -75,29 +75,35 @@ impl Shape {
     }
 }
 
-/// Median area in pixels of the regions under animal marks, or, when none is, the size of the
-/// region in which the middle animal pixel lies; `None` without regions.
-pub(super) fn typical_area(regions: &Regions, marks: &[Mark]) -> Option<f64> {
+/// Which regions lie under a mark of an animal.
+pub(super) fn marked(regions: &Regions, marks: &[Mark]) -> Vec<bool> {
     let mut marked = vec![false; regions.shapes.len()];
-    for (label, _) in regions.labels.iter().zip(marks).filter(|(label, mark)| **label > 0 && **mark == Mark::Animal) {
-        marked[*label as usize - 1] = true;
+    for (label, mark) in regions.labels.iter().zip(marks) {
+        if *label > 0 && *mark == Mark::Animal {
+            marked[*label as usize - 1] = true;
+        }
     }
-    let mut areas: Vec<f64> = regions.shapes.iter().zip(&marked).filter(|(_, m)| **m).map(|(s, _)| s.area()).collect();
-    if areas.is_empty() {
-        areas = regions.shapes.iter().map(Shape::area).collect();
+    marked
+}
+
+/// Median area in pixels of the marked regions, or, when none is, the size of the region in which
+/// the middle animal pixel lies; `None` without regions.
+pub(super) fn typical_area(regions: &Regions, marked: &[bool]) -> Option<f64> {
+    let sorted = |mut areas: Vec<f64>| {
         areas.sort_by(f64::total_cmp);
-        let half = areas.iter().sum::<f64>() / 2.0;
-        return areas
-            .into_iter()
-            .scan(0.0, |sum, a| {
-                *sum += a;
-                Some((*sum, a))
-            })
-            .find(|(sum, _)| *sum >= half)
-            .map(|(_, a)| a);
+        areas
+    };
+    let areas = sorted(regions.shapes.iter().zip(marked).filter(|(_, m)| **m).map(|(s, _)| s.area()).collect());
+    if !areas.is_empty() {
+        return areas.get(areas.len() / 2).copied();
     }
-    areas.sort_by(f64::total_cmp);
-    Some(areas[areas.len() / 2])
+    let areas = sorted(regions.shapes.iter().map(Shape::area).collect());
+    let half = areas.iter().sum::<f64>() / 2.0;
+    let mut sum = 0.0;
+    areas.into_iter().find(|area| {
+        sum += area;
+        sum >= half
+    })
 }
 
 /// The ellipse turned by half a turn when that brings it nearer to `direction`.

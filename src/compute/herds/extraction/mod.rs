@@ -29,6 +29,12 @@ use crate::compute::geometry::Point;
 use crate::compute::raster::Raster;
 use crate::compute::run::Run;
 
+/// Regions below this share of the typical one are noise (ours), ...
+const LEAST_SHARE: f64 = 0.15;
+
+/// ... and so are regions of fewer pixels than this, which have no shape.
+const LEAST_PIXELS: f64 = 8.0;
+
 /// What may be chosen about an extraction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExtractionOptions {
@@ -39,7 +45,7 @@ pub struct ExtractionOptions {
     pub smoothing: u32,
     /// How touching animals are parted.
     pub watershed: WatershedOptions,
-    /// Regions smaller than this many pixels are noise and dropped. Default: a tenth of the
+    /// Regions smaller than this many pixels are noise and dropped. Default: 15 % of the
     /// median region under the animal strokes, at least 8 (ours).
     pub min_area_px: Option<f64>,
     /// When a region is flagged as `suspect`.
@@ -120,13 +126,15 @@ pub fn extract(
     let regions = watershed::regions(&distance, &options.watershed, run)?;
     run.progress(STAGE, 5, 6)?;
     // 6. Each region becomes an ellipse by its second moments; outliers are flagged, not dropped.
-    let typical_px = ellipses::typical_area(&regions, &marks).ok_or(ExtractionError::NoRegion)?;
-    let least = options.min_area_px.unwrap_or((0.1 * typical_px).max(8.0));
-    let kept: Vec<_> = regions.shapes.iter().filter(|shape| shape.area() >= least).collect();
+    let marked = ellipses::marked(&regions, &marks);
+    let typical_px = ellipses::typical_area(&regions, &marked).ok_or(ExtractionError::NoRegion)?;
+    let least = options.min_area_px.unwrap_or((LEAST_SHARE * typical_px).max(LEAST_PIXELS));
+    let (kept, marked): (Vec<_>, Vec<_>) =
+        regions.shapes.iter().zip(marked).filter(|(shape, _)| shape.area() >= least).unzip();
     if kept.is_empty() {
         return Err(ExtractionError::NoRegion);
     }
-    let suspicions = outliers::suspicions(&kept, &options.outliers);
+    let suspicions = outliers::suspicions(&kept, &marked, &options.outliers);
     let found = (0u64..).zip(kept.iter().zip(suspicions)).map(|(id, (shape, suspicions))| {
         let ellipse = ellipses::facing(shape.ellipse(photo.grid()), Point::from_angle(options.direction));
         Found { id, ellipse, suspicions }

@@ -20,7 +20,8 @@ pub struct OutlierOptions {
     /// deviations (estimated from the median absolute deviation) from the median. Default: 3.
     pub deviations: f64,
     /// That standard deviation is taken as at least this, so that herds of near-equal animals
-    /// are not combed. Default: 0.15, about 15 %.
+    /// are not combed. Default: 0.2, about 20 %, so that a size
+    /// between 0.55 and 1.8 of the usual passes and two animals in one region do not.
     pub least_deviation: f64,
     /// Flagged when it fills less than this share of its ellipse. Default: 0.88.
     pub least_fill: f64,
@@ -28,19 +29,24 @@ pub struct OutlierOptions {
 
 impl Default for OutlierOptions {
     fn default() -> Self {
-        Self { deviations: 3.0, least_deviation: 0.15, least_fill: 0.88 }
+        Self { deviations: 3.0, least_deviation: 0.2, least_fill: 0.88 }
     }
 }
 
-/// What speaks against each region being one animal.
-pub(super) fn suspicions(shapes: &[&Shape], options: &OutlierOptions) -> Vec<Vec<Suspicion>> {
+/// The fewest marked regions that can speak for all.
+const LEAST_SAMPLE: usize = 5;
+
+/// What speaks against each region being one animal. Its size and proportion are judged by the
+/// regions of which `typical` says that the user marked them as animals, when there are at least
+/// five, else by all.
+pub(super) fn suspicions(shapes: &[&Shape], typical: &[bool], options: &OutlierOptions) -> Vec<Vec<Suspicion>> {
     let unit = Grid::new(1, 1, 1.0);
     let aspect = |s: &Shape| {
         let e = s.ellipse(unit);
         libm::log(e.a / e.b)
     };
-    let size = outlying(shapes.iter().map(|s| libm::log(s.area())).collect(), options);
-    let proportion = outlying(shapes.iter().map(|s| aspect(s)).collect(), options);
+    let size = outlying(shapes.iter().map(|s| libm::log(s.area())).collect(), typical, options);
+    let proportion = outlying(shapes.iter().map(|s| aspect(s)).collect(), typical, options);
     (0..shapes.len())
         .map(|i| {
             let reasons = [
@@ -53,9 +59,11 @@ pub(super) fn suspicions(shapes: &[&Shape], options: &OutlierOptions) -> Vec<Vec
         .collect()
 }
 
-fn outlying(values: Vec<f64>, options: &OutlierOptions) -> Vec<bool> {
-    let middle = median(values.clone());
-    let deviation = 1.4826 * median(values.iter().map(|v| (v - middle).abs()).collect());
+fn outlying(values: Vec<f64>, typical: &[bool], options: &OutlierOptions) -> Vec<bool> {
+    let marked: Vec<f64> = values.iter().zip(typical).filter(|(_, typical)| **typical).map(|(v, _)| *v).collect();
+    let sample = if marked.len() >= LEAST_SAMPLE { marked } else { values.clone() };
+    let middle = median(sample.clone());
+    let deviation = 1.4826 * median(sample.iter().map(|v| (v - middle).abs()).collect());
     let limit = options.deviations * deviation.max(options.least_deviation);
     values.into_iter().map(|v| (v - middle).abs() > limit).collect()
 }
