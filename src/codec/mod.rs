@@ -5,6 +5,8 @@
 //! | [`map`] | a map with its legend: the compact form it is stored in, GeoTIFF, picture |
 //! | [`binary`] | the compact form of everything else that is stored between stages |
 //! | [`colours`] | colour maps |
+//! | [`draw`] | a canvas with lines, shapes, text and plots |
+//! | [`picture`] | photos in, PNG and animated PNG out |
 //!
 //! Nothing here knows of storage, jobs or HTTP. Whatever comes in may be hostile: sizes are
 //! checked from the header before anything is allocated, and every error is a value that says
@@ -13,4 +15,6 @@
 pub mod binary;
 mod blocks;
 pub mod colours;
+pub mod draw;
 pub mod map;
+pub mod picture;

@@ -6,9 +6,12 @@
 mod georeference;
 mod geotiff;
 mod legend;
+mod picture;
+mod shade;
 
 pub use georeference::Georeference;
 pub use legend::{Category, Legend, Scale, Spread};
+pub use picture::PictureOptions;
 
 use crate::codec::binary;
 use crate::codec::binary::Reader;
@@ -159,7 +162,8 @@ fn read_grid(r: &mut Reader) -> Result<Grid, binary::Error> {
     let (width, height) = (r.u32()? as usize, r.u32()? as usize);
     let (cell_m, origin) = (r.f64()?, Point::new(r.f64()?, r.f64()?));
     let whole = width > 0 && height > 0 && width.checked_mul(height).is_some();
-    if !whole || !(cell_m.is_finite() && cell_m > 0.0) || !origin.is_finite() {
+    let placed = cell_m.is_finite() && cell_m > 0.0 && origin.is_finite();
+    if !(whole && placed) {
         return Err(binary::Error::Corrupt("the grid is not one"));
     }
     Ok(Grid { width, height, cell_m, origin })
