@@ -312,12 +312,8 @@ impl Spread {
 
     fn ticks(self, (min, max): (f64, f64)) -> Ticks {
         match self {
-            Self::Linear => Ticks::linear(min, max, 6),
             Self::Logarithmic if max > 0.0 => Ticks::logarithmic(Self::floor(min, max), max),
-            _ => {
-                let at = [0.0, 0.0625, 0.25, 0.5625, 1.0].map(|t| min + t * (max - min));
-                Ticks::of(at.to_vec(), ((max - min) * 0.05).max(f64::MIN_POSITIVE))
-            }
+            _ => Ticks::linear(min, max, 6),
         }
     }
 }
