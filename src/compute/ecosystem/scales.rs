@@ -87,9 +87,14 @@ impl Scale {
 /// How soil moisture is read from the wetness index.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MoistureScale {
-    /// The **wetness index** of a month (see `climate::moisture`), ln(km · m), on the scale.
-    WetnessIndex(Scale),
-    /// The **relative extractable water** over the year, 0..=1, on the scale.
+    /// The **wetness index** of a month (see `climate::moisture`), linearly.
+    WetnessIndex {
+        /// The index at 1.
+        one: f64,
+        /// The index at 9, above `one`.
+        nine: f64,
+    },
+    /// The **relative extractable water** over the year, 0..=1, the same in all months.
     ExtractableWater(Scale),
 }
 
@@ -100,7 +105,7 @@ pub struct Scales {
     pub temperature: Scale,
     /// From the light fraction (see `climate::sunlight`).
     pub illumination: Scale,
-    /// From the wetness index.
+    /// From the wetness of the ground.
     pub moisture: MoistureScale,
 }
 
@@ -116,7 +121,7 @@ impl Scales {
         Self {
             temperature: Scale::linear(-15.0, 25.0),
             illumination: Scale::linear(0.01, FULL_LIGHT),
-            moisture: MoistureScale::WetnessIndex(Scale::linear(-8.0, 2.0)),
+            moisture: MoistureScale::WetnessIndex { one: -8.0, nine: 2.0 },
         }
     }
 
@@ -151,8 +156,11 @@ mod tests {
         [Scales::authors(), Scales::julve()]
             .into_iter()
             .flat_map(|s| {
-                let (MoistureScale::WetnessIndex(m) | MoistureScale::ExtractableWater(m)) = s.moisture;
-                [s.temperature, s.illumination, m]
+                let moisture = match s.moisture {
+                    MoistureScale::WetnessIndex { one, nine } => Scale::linear(one, nine),
+                    MoistureScale::ExtractableWater(scale) => scale,
+                };
+                [s.temperature, s.illumination, moisture]
             })
             .collect()
     }

@@ -1,8 +1,15 @@
 //! Stage 2a: the **climate** and the monthly maps it makes over a terrain: temperature,
 //! sunlight with cast shadows, moisture.
 
+pub mod horizon;
+mod sun;
+mod sunlight;
 mod temperature;
 
+pub use sun::SOLAR_CONSTANT_W_PER_M2;
+pub use sun::SunPath;
+pub use sunlight::SunlightRules;
+pub use sunlight::sunlight;
 pub use temperature::Temperature;
 pub use temperature::temperature;
 
