@@ -15,11 +15,14 @@
 //! 9. `biomes`, `summary` – what the experts look at
 
 pub mod climate;
+pub mod fauna;
 pub mod presence;
 pub mod rag;
+pub mod regions;
 pub mod resources;
 pub mod scales;
 pub mod species;
 pub mod terrain;
+pub mod travel;
 pub mod water;
 pub mod ways;

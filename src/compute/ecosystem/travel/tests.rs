@@ -1,0 +1,96 @@
+use super::*;
+use crate::compute::ecosystem::fauna::sample::animal;
+use crate::compute::ecosystem::regions::Place;
+use crate::compute::ecosystem::regions::RegionOptions;
+use crate::compute::geometry::Point;
+use crate::compute::raster::Grid;
+use crate::compute::raster::Raster;
+
+struct World {
+    height: Raster<f32>,
+    slope: Raster<f32>,
+    water: Raster<f32>,
+    trees: Raster<f32>,
+    passages: Passages,
+}
+
+impl World {
+    fn new(grid: Grid, height: impl Fn(Point) -> f64) -> Self {
+        let zero = Raster::filled(grid, 0.0);
+        let height = Raster { grid, data: (0..grid.len()).map(|i| height(grid.centre(i)) as f32).collect() };
+        Self { height, slope: zero.clone(), water: zero.clone(), trees: zero, passages: Passages::default() }
+    }
+
+    fn ask<T>(&self, species: &[AnimalSpecies], question: impl FnOnce(&Regions, &Travel<'_>) -> T) -> T {
+        let ground =
+            Ground { height: &self.height, slope: &self.slope, water_depth: &self.water, tree_cover: &self.trees };
+        let options = RegionOptions { min_area_m2: 0.0, min_cells: 1 };
+        let regions = Regions::new(&ground, &self.passages, species, &options, &Run::silent()).unwrap();
+        let travel = Travel::new(ground, &self.passages, &regions, species);
+        question(&regions, &travel)
+    }
+}
+
+fn way(travel: &Travel<'_>, from: usize, to: usize) -> Option<Way> {
+    travel.ways(0, from, &[to], &Run::silent()).unwrap().remove(0)
+}
+
+#[test]
+fn flat_ground_is_crossed_in_a_straight_line_within_the_stated_heading_error() {
+    let grid = Grid::new(60, 50, 2.0);
+    World::new(grid, |_| 5.0).ask(&[animal("deer", 1)], |_, travel| {
+        let from = grid.index(30, 25);
+        for to in (0..grid.len()).step_by(37).filter(|to| *to != from) {
+            let seconds = grid.centre(from).distance(grid.centre(to)) / 1.25;
+            let found = way(travel, from, to).unwrap().seconds;
+            assert!(found > seconds * 0.9999 && found < seconds * 1.028, "{found} {seconds}");
+        }
+    });
+}
+
+#[test]
+fn uphill_takes_longer_than_downhill_and_a_wall_of_rock_is_walked_around() {
+    let grid = Grid::new(40, 40, 10.0);
+    let mut world = World::new(grid, |p| 0.3 * p.x);
+    (5..40).for_each(|row| world.slope.data[grid.index(20, row)] = 3.0);
+    world.ask(&[animal("deer", 1)], |_, travel| {
+        let (west, east) = (grid.index(10, 30), grid.index(30, 30));
+        let (up, down) = (way(travel, west, east).unwrap(), way(travel, east, west).unwrap());
+        assert!(up.seconds > 1.2 * down.seconds, "{} {}", up.seconds, down.seconds);
+        assert!(up.cells.iter().any(|c| *c as usize / 40 < 5));
+    });
+}
+
+#[test]
+fn every_way_is_made_of_neighbouring_open_cells_whose_steps_can_be_walked() {
+    let grid = Grid::new(50, 40, 5.0);
+    let mut world = World::new(grid, |p| 12.0 * libm::sin(p.x / 23.0) * libm::cos(p.y / 31.0));
+    (0..grid.len()).filter(|i| i % 11 == 3 && i % 7 != 2).for_each(|i| world.water.data[i] = 2.0);
+    world.ask(&[animal("deer", 1)], |_, travel| {
+        let from = grid.index(1, 1);
+        let goals: Vec<usize> = (60..grid.len()).step_by(61).collect();
+        let ways = travel.ways(0, from, &goals, &Run::silent()).unwrap();
+        assert!(ways.iter().flatten().count() > 20);
+        for way in ways.iter().flatten() {
+            let steps = way.cells.windows(2).map(|w| travel.step_s(0, w[0] as usize, w[1] as usize));
+            let sum: f64 = steps.sum();
+            assert!(way.cells.iter().all(|c| travel.open(0, *c as usize)));
+            assert!(sum.is_finite() && sum > 0.95 * way.seconds && sum < 1.1 * way.seconds + 0.1);
+            assert_eq!(way.cells[0] as usize, from);
+        }
+    });
+}
+
+#[test]
+fn the_banks_are_reached_through_the_ford_alone_and_islands_not_at_all() {
+    let grid = Grid::new(41, 30, 4.0);
+    let mut world = World::new(grid, |_| 0.0);
+    (0..30).for_each(|row| world.water.data[grid.index(20, row)] = 2.0);
+    let (west, east) = (grid.index(5, 28), grid.index(35, 28));
+    world.ask(&[animal("deer", 1)], |_, travel| assert_eq!(way(travel, west, east), None));
+    let ford = grid.index(20, 3);
+    world.passages.fords.push(Place { centre: grid.centre(ford), radius_m: 1.0 });
+    world.ask(&[animal("deer", 1)], |_, travel| {
+        assert!(way(travel, west, east).unwrap().cells.contains(&(ford as u32)));
+    });
+}
