@@ -21,6 +21,7 @@ pub mod rag;
 pub mod regions;
 pub mod resources;
 pub mod scales;
+pub mod soil;
 pub mod species;
 pub mod terrain;
 pub mod travel;

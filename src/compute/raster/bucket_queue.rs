@@ -68,6 +68,13 @@ impl BucketQueue {
         self.heap.pop().map(|Reverse((key, cell))| (unordered(key), cell as usize))
     }
 
+    /// Takes the cell with the least key if that is `key`, the last one popped.
+    pub fn pop_equal(&mut self, key: f32) -> Option<usize> {
+        // Equal keys share a bucket, and the bucket in work is in the heap.
+        let equal = self.heap.peek().is_some_and(|Reverse((least, _))| *least == ordered(key));
+        if equal { self.heap.pop().map(|Reverse((_, cell))| cell as usize) } else { None }
+    }
+
     /// Moves the chain of the current bucket to the heap.
     fn open(&mut self) {
         let mut at = std::mem::replace(&mut self.heads[self.current], NONE);
@@ -135,6 +142,14 @@ mod tests {
             }
         }
         assert!(n > 400);
+    }
+
+    #[test]
+    fn only_cells_of_the_last_key_pop_as_equal() {
+        let mut queue = BucketQueue::new(0.0, 9.0, 4);
+        [(2.0, 7), (2.0, 5), (2.5, 1)].map(|(key, cell)| queue.push(key, cell));
+        assert_eq!(queue.pop(), Some((2.0, 5)));
+        assert_eq!([queue.pop_equal(2.0), queue.pop_equal(2.0)], [Some(7), None]);
     }
 
     #[test]

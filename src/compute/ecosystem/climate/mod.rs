@@ -2,10 +2,15 @@
 //! sunlight with cast shadows, moisture.
 
 pub mod horizon;
+mod moisture;
 mod sun;
 mod sunlight;
 mod temperature;
 
+pub use moisture::MoistureRules;
+pub use moisture::SATURATED;
+pub use moisture::UNDER_WATER;
+pub use moisture::moisture;
 pub use sun::SOLAR_CONSTANT_W_PER_M2;
 pub use sun::SunPath;
 pub use sunlight::SunlightRules;

@@ -85,11 +85,17 @@ impl Front {
         beside_nothing
     }
 
+    /// The next cell to spread from. All cells that wait at one level start together, so that a
+    /// flat with many outlets drains to the nearest.
     fn next(&mut self) -> Option<usize> {
-        match self.pit.pop_front() {
-            Some(cell) => Some(cell as usize),
-            None => self.queue.pop().map(|(_, cell)| cell),
+        if self.pit.is_empty() {
+            let (level, cell) = self.queue.pop()?;
+            self.pit.push_back(cell as u32);
+            while let Some(cell) = self.queue.pop_equal(level) {
+                self.pit.push_back(cell as u32);
+            }
         }
+        self.pit.pop_front().map(|cell| cell as usize)
     }
 
     fn spread(&mut self, cell: usize) {
@@ -154,6 +160,21 @@ mod tests {
         assert_eq!(open.level.data[12], 1.0);
         assert!(open.level.data[13].is_nan());
         assert_eq!(open.way_out[13], UNREACHED);
+    }
+
+    #[test]
+    fn a_plain_drains_to_its_nearest_border() {
+        let plain = flood(&raster(9, &[3.0; 81]), &Run::silent()).unwrap();
+        let compass = Compass::new(plain.level.grid);
+        for start in 0..81usize {
+            let (mut cell, mut steps) = (start, 0);
+            while plain.way_out[cell] != OUTLET {
+                cell = compass.step(cell, usize::from(plain.way_out[cell]));
+                steps += 1;
+            }
+            let (column, row) = (start % 9, start / 9);
+            assert_eq!(steps, column.min(row).min(8 - column).min(8 - row));
+        }
     }
 
     #[test]
