@@ -75,7 +75,7 @@ def test_problems_are_problem_documents_for_everybody_else(server):
 
 
 def test_an_asynchronous_job_is_created_followed_and_fetched(server):
-    reply = execute(server, {"message": "teststring"})
+    reply = execute(server, {"value": "teststring"})
     assert reply.status_code == 201
     location = reply.headers["Location"]
     assert reply.json()["jobID"] and reply.json()["type"] == "process"
@@ -86,25 +86,25 @@ def test_an_asynchronous_job_is_created_followed_and_fetched(server):
 
 
 def test_results_that_are_not_ready_are_said_not_to_be(server):
-    location = execute(server, {"message": "later", "pause_s": 20}).headers["Location"]
+    location = execute(server, {"value": "later", "pause_s": 20}).headers["Location"]
     reply = get(server, location + "/results")
     assert reply.status_code == 404 and reply.json()["type"] == EXCEPTIONS + "result-not-ready"
     assert requests.delete(server + location).status_code == 200
 
 
 def test_a_dismissed_job_stops_and_its_slot_is_free(server):
-    location = execute(server, {"message": "never", "pause_s": 60}).headers["Location"]
+    location = execute(server, {"value": "never", "pause_s": 60}).headers["Location"]
     reply = requests.delete(server + location, headers=JSON)
     assert reply.status_code == 200 and reply.json()["status"] == "dismissed"
     begin = time.time()
-    other = execute(server, {"message": "next"}).headers["Location"]
+    other = execute(server, {"value": "next"}).headers["Location"]
     assert wait_for(server, other)["status"] == "successful"
     assert time.time() - begin < 10
     assert get(server, location + "/results").status_code == 410
 
 
 def test_the_job_list_holds_the_jobs(server):
-    location = execute(server, {"message": "listed"}).headers["Location"]
+    location = execute(server, {"value": "listed"}).headers["Location"]
     wait_for(server, location)
     jobs = get(server, "/jobs?limit=1000").json()["jobs"]
     assert location.rsplit("/", 1)[-1] in [job["jobID"] for job in jobs]
@@ -113,21 +113,21 @@ def test_the_job_list_holds_the_jobs(server):
 
 
 def test_a_synchronous_answer_is_the_results_document(server):
-    reply = execute(server, {"message": "now"}, prefer="respond-sync", response="document")
+    reply = execute(server, {"value": "now"}, prefer="respond-sync", response="document")
     assert reply.status_code == 200 and "now" in reply.text
 
 
 def test_a_repeated_key_does_the_work_once(server):
     headers = {**JSON, "Prefer": "respond-async", "Idempotency-Key": "the-same-key"}
-    url, body = server + "/processes/echo/execution", {"inputs": {"message": "once"}}
+    url, body = server + "/processes/echo/execution", {"inputs": {"value": "once"}}
     first, second = (requests.post(url, json=body, headers=headers) for _ in range(2))
     assert first.headers["Location"] == second.headers["Location"]
-    other = requests.post(url, json={"inputs": {"message": "other"}}, headers=headers)
+    other = requests.post(url, json={"inputs": {"value": "other"}}, headers=headers)
     assert 400 <= other.status_code < 500
 
 
 def test_events_tell_the_progress_and_end(server):
-    location = execute(server, {"message": "events", "pause_s": 1}).headers["Location"]
+    location = execute(server, {"value": "events", "pause_s": 1}).headers["Location"]
     with requests.get(server + location + "/events", stream=True, timeout=20) as reply:
         assert reply.headers["Content-Type"].startswith("text/event-stream")
         text = "".join(line.decode() + "\n" for line in reply.iter_lines())

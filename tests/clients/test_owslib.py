@@ -49,7 +49,7 @@ def test_every_listed_process_can_be_described(server):
 
 
 def test_a_quick_process_answers_at_once(server):
-    assert "hello" in json.dumps(Processes(server).execute("echo", inputs={"message": "hello"}))
+    assert "hello" in json.dumps(Processes(server).execute("echo", inputs={"value": "hello"}))
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda p: p.stem)

@@ -14,8 +14,10 @@
 //! 8. `planning` – what each herd does all day
 //! 9. `biomes`, `summary` – what the experts look at
 
+pub mod allometry;
 pub mod climate;
 pub mod fauna;
+pub mod food_chain;
 pub mod presence;
 pub mod rag;
 pub mod regions;
