@@ -7,7 +7,11 @@ use serde_json::Value;
 use serde_json::json;
 
 use crate::codec::map::Map;
+use crate::codec::map::PictureOptions;
 use crate::jobs::Table;
+
+/// Version of the encoders; to be raised whenever the same artefact gives other bytes in a form.
+pub const ENCODERS_VERSION: u32 = 1;
 
 /// What a job hands back.
 #[derive(Debug, Clone)]
@@ -122,7 +126,7 @@ impl Kind {
         match self {
             Self::Json => forms(&[("json", "application/json")]),
             Self::Table | Self::Tables => forms(&[("json", "application/json"), ("csv", "text/csv")]),
-            Self::Map => forms(&[("tif", "image/tiff"), ("json", "application/json")]),
+            Self::Map => forms(&[("tif", "image/tiff"), ("png", "image/png"), ("json", "application/json")]),
             Self::Picture => forms(&[("png", "image/png")]),
             Self::File { media_type, extension } => forms(&[(extension.as_ref(), media_type.as_ref())]),
         }
@@ -216,6 +220,7 @@ impl Artefact {
             (Self::Tables(tables), "csv") => tables_csv(tables).into(),
             (Self::Map(map), "tif") => map.to_geotiff()?.into(),
 
+            (Self::Map(map), "png") => map.to_png(&PictureOptions::default())?.into(),
             (Self::Map(map), "json") => serde_json::to_vec(&map_json(map))?.into(),
             (Self::Picture(bytes) | Self::Bytes { bytes, .. }, _) if known.is_some() => bytes.clone(),
             _ => return Err(refuse()),

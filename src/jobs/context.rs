@@ -146,6 +146,11 @@ impl<'a> JobContext<'a> {
         Ok(bytes)
     }
 
+    /// What has been handed back so far.
+    pub fn kept(&self) -> &Kept {
+        &self.kept
+    }
+
     /// What has been handed back; the context is used up.
     pub fn finish(self) -> Kept {
         self.kept

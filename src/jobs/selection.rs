@@ -8,6 +8,9 @@ use biotope_api::execute::OutputChoice;
 use crate::jobs::Invalid;
 use crate::jobs::Output;
 
+/// Outputs that are kept of every job.
+pub const ALWAYS: [&str; 2] = ["manifest", "warnings"];
+
 /// Which outputs are kept.
 #[derive(Debug, Clone, Default)]
 pub struct Selection {
@@ -34,18 +37,24 @@ impl Selection {
         Ok(Self { known, chosen: choice.map(|choice| choice.keys().cloned().collect()) })
     }
 
-    /// Whether the output `id` is to be kept.
+    /// Whether the output `id` is to be kept. `manifest` and `warnings` always are.
     pub fn wants(&self, id: &str) -> bool {
-        match &self.chosen {
-            Some(chosen) => chosen.iter().any(|wish| wish == id || covers(wish, id) || fits(id, wish)),
+        let chosen = match &self.chosen {
+            Some(chosen) => chosen.iter().any(|wish| is_meant(wish, id)),
             None => self.known.iter().any(|(pattern, default)| *default && fits(id, pattern)),
-        }
+        };
+        chosen || ALWAYS.contains(&id)
     }
 
     /// Whether the process has such an output at all.
     pub fn knows(&self, id: &str) -> bool {
         self.known.iter().any(|(pattern, _)| fits(id, pattern))
     }
+}
+
+/// Whether a client's wish means the output `id`.
+pub fn is_meant(wish: &str, id: &str) -> bool {
+    wish == id || covers(wish, id) || fits(id, wish)
 }
 
 /// Whether a wish names outputs of `pattern`: the pattern itself, an id of its form, or `a.*`.

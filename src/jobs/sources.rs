@@ -13,7 +13,7 @@ use crate::jobs::Digest;
 use crate::jobs::Invalid;
 
 /// Gives what stands behind references. Synchronous; not for async threads.
-pub trait Sources {
+pub trait Sources: Sync {
     /// What stands behind `reference`.
     ///
     /// # Errors

@@ -1,4 +1,5 @@
 use object_store::path::Path;
+use uuid::Uuid;
 
 use crate::storage::Digest;
 
@@ -9,6 +10,8 @@ pub enum Key {
     Blob(Digest),
     /// The result of a stage, under the digest of all that it depends on.
     Stage(Digest),
+    /// Bytes on their way to a blob.
+    Upload(Uuid),
     /// A blob in another form, made on request; may be dropped at any time.
     Encoded(Digest, String),
 }
@@ -19,6 +22,7 @@ impl Key {
         match self {
             Self::Blob(digest) => sharded("blobs", digest, ""),
             Self::Stage(digest) => sharded("stages", digest, ""),
+            Self::Upload(id) => Path::from(format!("uploads/{id}")),
             Self::Encoded(digest, extension) => sharded("encoded", digest, extension),
         }
     }

@@ -3,11 +3,18 @@ use std::path::Path as FilePath;
 use std::sync::Arc;
 
 use bytes::Bytes;
+use futures_util::Stream;
+use futures_util::StreamExt as _;
 use object_store::ObjectStore;
 use object_store::ObjectStoreExt as _;
 use object_store::PutPayload;
+use object_store::buffered::BufWriter;
 use object_store::local::LocalFileSystem;
 use object_store::memory::InMemory;
+use sha2::Digest as _;
+use sha2::Sha256;
+use tokio::io::AsyncWriteExt as _;
+use uuid::Uuid;
 
 use crate::storage::Digest;
 use crate::storage::Key;
@@ -55,6 +62,41 @@ impl Store {
         let path = key.path();
         let done = self.0.put(&path, PutPayload::from_bytes(bytes)).await;
         done.map(drop).map_err(|cause| fault(key, cause))
+    }
+
+    /// Stores a stream of bytes under their digest, without holding them all; returns the digest
+    /// and the size. A stream that fails leaves nothing behind.
+    ///
+    /// # Errors
+    /// The stream's own error as `Err(Ok(_))`, the store's as `Err(Err(_))`.
+    pub async fn put_stream<E>(
+        &self,
+        mut stream: impl Stream<Item = Result<Bytes, E>> + Unpin,
+    ) -> Result<(Digest, u64), Result<E, StoreError>> {
+        let upload = Key::Upload(Uuid::new_v4());
+        let backend = |cause| Err(fault(&upload, cause));
+        let (mut hasher, mut size) = (Sha256::new(), 0);
+        let mut writer = BufWriter::new(Arc::clone(&self.0), upload.path());
+        while let Some(piece) = stream.next().await {
+            let piece = match piece {
+                Ok(piece) => piece,
+                Err(error) => {
+                    let _nothing_was_published = writer.abort().await;
+                    return Err(Ok(error));
+                }
+            };
+            hasher.update(&piece);
+            size += piece.len() as u64;
+            writer.put(piece).await.map_err(backend)?;
+        }
+        writer
+            .shutdown()
+            .await
+            .map_err(|error| backend(object_store::Error::Generic { store: "upload", source: error.into() }))?;
+        let digest = Digest::from_hasher(hasher);
+        let moved = self.0.rename(&upload.path(), &Key::Blob(digest).path()).await;
+        moved.map_err(backend)?;
+        Ok((digest, size))
     }
 
     /// The bytes under `key`.

@@ -1,0 +1,24 @@
+//! What the operator decides about jobs.
+
+/// How much is worked on at once, and how much may wait.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Settings {
+    /// Threads each job computes on. Default: one a processor.
+    pub threads: usize,
+    /// Heavy jobs that may run at once. Default: 2.
+    pub heavy_jobs: usize,
+    /// Quick jobs that may run at once beside them. Default: 4.
+    pub quick_jobs: usize,
+    /// Memory that all running jobs together may need, in bytes. Default: three quarters of the
+    /// machine's.
+    pub memory_bytes: u64,
+    /// Jobs that may wait. Default: 256.
+    pub waiting_jobs: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        Self { threads, heavy_jobs: 2, quick_jobs: 4, memory_bytes: 4 << 30, waiting_jobs: 256 }
+    }
+}
