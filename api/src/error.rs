@@ -86,6 +86,11 @@ error_codes! {
     // Terrains and other rasters.
     ColorPng = "COLOR_PNG", 400, "A picture in colour was given where one value a pixel is needed.";
     SizeMismatch = "SIZE_MISMATCH", 400, "A raster is of another size than the terrain it belongs to.";
+    UnknownSpecies = "unknown-species", 400, "A species is not one of the library and does not bring all its numbers.";
+    DuplicateSpecies = "duplicate-species", 400, "Two species have the same name.";
+    FoodChainCycle = "food-chain-cycle", 400, "Animals eat each other in a circle.";
+    MissingPrey = "missing-prey", 400, "An animal finds nothing of its diet among the species of the request.";
+    ZeroProportions = "zero-proportions", 400, "The proportions asked for sum to zero.";
     NoRange = "NO_RANGE", 400, "The format holds no heights in metres; the range must be given beside it.";
 }
 

@@ -15,6 +15,7 @@
 
 pub mod asset;
 pub mod echo;
+pub mod ecosystem;
 pub mod error;
 pub mod execute;
 pub mod job;

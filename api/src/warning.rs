@@ -42,6 +42,15 @@ warning_codes! {
     GeographicCrs = "GEOGRAPHIC_CRS", "The raster is in degrees; it was projected to metres.";
     NotPow2Plus1 = "NOT_POW2_PLUS1", "The size is not a power of two plus one, which some engines ask for.";
     HalfPixelPoint = "HALF_PIXEL_POINT", "Values belong to points, not cells; the raster was moved by half a cell.";
+    // Ecosystems.
+    Estimated = "ESTIMATED", "Numbers were estimated; each stands with its source in the result.";
+    NotPlaced = "NOT_PLACED", "A species that was asked for lives nowhere on this terrain; the message says why.";
+    ProportionsNotReached = "PROPORTIONS_NOT_REACHED", "The proportions asked for could not be reached.";
+    PaintedBeyondResources = "PAINTED_BEYOND_RESOURCES", "More was painted than the resources bear.";
+    DensityOutOfRange = "DENSITY_OUT_OF_RANGE", "An animal lives denser than ten times its living relative.";
+    BiomassOutOfRange = "BIOMASS_OUT_OF_RANGE", "The carnivores' biomass is not 0.3 to 3 % of their prey's.";
+    HerdWaits = "HERD_WAITS", "Herds found no free node and waited.";
+    PlanningConflict = "PLANNING_CONFLICT", "An edit of a planning could not be kept.";
     HeightStep = "HEIGHT_STEP", "The smallest step of height is coarse.";
 }
 

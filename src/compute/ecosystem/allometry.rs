@@ -26,6 +26,16 @@ pub enum Agility {
     Climber,
 }
 
+/// What ground an animal keeps to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Ground {
+    /// Open country: large grazers.
+    Open,
+    /// Woods as well as open country.
+    #[default]
+    Wooded,
+}
+
 /// Yearly growth of what a browser or grazer can reach, kg of dry matter per covered m².
 ///
 /// Net primary production after Whittaker and Likens (1975): 0.6 (temperate grassland), 0.7
@@ -122,6 +132,15 @@ pub const fn max_slope_down_deg(agility: Agility) -> Estimate {
     match agility {
         Agility::Walker => estimate(31.6, "ours: 5 degrees more than climbed"),
         Agility::Climber => estimate(50.0, "ours: 5 degrees more than climbed"),
+    }
+}
+
+/// Tree cover above which an animal does not enter: 0.3 in the authors' sample for all, kept for
+/// animals of open country; 0.9 for the others, which live in woods too (ours).
+pub const fn max_tree_cover(ground: Ground) -> Estimate {
+    match ground {
+        Ground::Open => estimate(0.3, "tree cover 0.3 (sample of the authors of L)"),
+        Ground::Wooded => estimate(0.9, "ours: animals of woods are stopped by thickets only"),
     }
 }
 

@@ -1,0 +1,318 @@
+//! From the inputs on the wire to a request that cannot be wrong: every fault is found here,
+//! before anything is queued.
+
+use biotope_api::ecosystem::ClimateInput;
+use biotope_api::ecosystem::CompetitionInput;
+use biotope_api::ecosystem::EcosystemInputs;
+use biotope_api::ecosystem::NeedName;
+use biotope_api::ecosystem::PassagesInput;
+use biotope_api::ecosystem::PlaceInput;
+use biotope_api::ecosystem::ScalesPreset;
+use biotope_api::error::ErrorCode;
+use biotope_api::reference::Reference;
+use biotope_api::warning::Warning;
+
+use crate::codec::map::Georeference;
+use crate::compute::ecosystem::climate::Climate;
+use crate::compute::ecosystem::climate::MonthClimate;
+use crate::compute::ecosystem::fitness::Needs;
+use crate::compute::ecosystem::regions::Passages;
+use crate::compute::ecosystem::regions::Place;
+use crate::compute::ecosystem::resources::GivenMaps;
+use crate::compute::ecosystem::resources::MONTHS;
+use crate::compute::ecosystem::resources::MonthlyMap;
+use crate::compute::ecosystem::scales::Scales;
+use crate::compute::geometry::Bounds;
+use crate::compute::geometry::Point;
+use crate::compute::raster::Grid;
+use crate::compute::raster::Raster;
+use crate::jobs::Digest;
+use crate::jobs::Hasher;
+use crate::jobs::Invalid;
+use crate::jobs::Sources;
+use crate::jobs::ecosystem::rasters;
+use crate::jobs::ecosystem::species;
+use crate::jobs::ecosystem::species::Animals;
+use crate::jobs::ecosystem::species::Plants;
+
+/// A request whose every value is usable.
+pub struct Request {
+    /// As it came, with defaults filled in.
+    pub inputs: EcosystemInputs,
+    /// Heights, metres; NaN where there is no data. Origin at (0, 0).
+    pub height: Raster<f32>,
+    /// Where the terrain lies.
+    pub georeference: Georeference,
+    /// The climate, with the latitude of the terrain.
+    pub climate: Climate,
+    /// Conversions to the scales.
+    pub scales: Scales,
+    /// Needs of plants that count.
+    pub needs: Needs,
+    /// The plants.
+    pub plants: Plants,
+    /// The animals.
+    pub animals: Animals,
+    /// Resource maps given instead of computed.
+    pub given: GivenMaps,
+    /// Depth of the water, given.
+    pub water_depth: Option<Raster<f32>>,
+    /// Where no plant may grow, 0..=1.
+    pub exclusion: Option<Raster<f32>>,
+    /// Painted cover, by plant.
+    pub painted: Vec<(usize, Raster<f32>)>,
+    /// Fords and way-points, in the terrain's frame.
+    pub passages: Passages,
+    /// Biomes: name and plants.
+    pub biomes: Vec<(String, Vec<usize>)>,
+    /// Digests of what stands behind the references, for the stages.
+    pub digests: Digests,
+    /// What readers should know of the inputs.
+    pub warnings: Vec<Warning>,
+}
+
+/// Digests of the bytes behind the references of a request.
+pub struct Digests {
+    /// Of the terrain.
+    pub terrain: Digest,
+    /// Of the water map.
+    pub water: Digest,
+    /// Of the other given maps.
+    pub maps: Digest,
+    /// Of the painted covers and the exclusion.
+    pub painted: Digest,
+}
+
+impl Request {
+    /// Parses the inputs and reads what they refer to.
+    pub fn parse(inputs: EcosystemInputs, sources: &dyn Sources) -> Result<Self, Invalid> {
+        let mut faults = Invalid::default();
+        // 1. Species, which need no file.
+        let plants = faults.keep(species::plants(&inputs.plants));
+        let animals = plants.as_ref().and_then(|plants| faults.keep(species::animals(&inputs.animals, plants)));
+        let biomes = plants.as_ref().and_then(|plants| faults.keep(biomes(&inputs, plants)));
+        // 2. The terrain, on which everything else lies.
+        let land = faults.keep(rasters::terrain(&inputs.terrain, sources));
+        let climate = faults.keep(climate(&inputs.climate));
+        // 3. What must fit the terrain.
+        let Some(land) = land else { return Err(faults) };
+        let latitude_deg = inputs.terrain.latitude_deg.or(land.latitude_deg);
+        if latitude_deg.is_none() {
+            let expected = "a latitude, as the terrain's file does not say where on Earth it lies";
+            faults.push("/terrain/latitude_deg", ErrorCode::Missing, expected, "nothing");
+        }
+        let mut maps = Maps::new(land.height.grid, sources);
+        let (water_depth, water) = maps.read(|m| m.one("/maps/water_depth_m", inputs.maps.water_depth_m.as_ref()));
+        let (given, given_digest) = maps.read(|m| m.given(&inputs));
+        let (covers, painted) = maps.read(|m| (m.painted(&inputs), m.one("/maps/exclusion", inputs.maps.exclusion.as_ref())));
+        faults.extend(maps.faults);
+        let passages = faults.keep(passages(&inputs.passages, &land.height.grid));
+        // 4. All there, or all faults.
+        match (plants, animals, biomes, climate, latitude_deg, passages, faults.errors.is_empty()) {
+            (Some(plants), Some(animals), Some(biomes), Some(mut climate), Some(latitude_deg), Some(passages), true) => {
+                climate.latitude_deg = latitude_deg;
+                Ok(Self {
+                    scales: scales(&inputs.competition),
+                    needs: needs(&inputs.competition),
+                    height: land.height,
+                    georeference: land.georeference,
+                    climate,
+                    plants,
+                    animals,
+                    given,
+                    water_depth,
+                    exclusion: covers.1,
+                    painted: covers.0,
+                    passages,
+                    biomes,
+                    digests: Digests { terrain: land.digest, water, maps: given_digest, painted },
+                    warnings: land.warnings,
+                    inputs,
+                })
+            }
+            _ => Err(faults),
+        }
+    }
+
+    /// Where the cells lie.
+    pub fn grid(&self) -> Grid {
+        self.height.grid
+    }
+
+    /// Most memory the solve holds at one time, bytes: about 200 a cell for the maps of land,
+    /// climate and animals, and five for each plant.
+    pub fn memory_bytes(&self) -> u64 {
+        let cells = self.grid().len() as u64;
+        (64 << 20) + cells * (200 + 5 * self.plants.species.len() as u64)
+    }
+}
+
+fn climate(input: &ClimateInput) -> Result<Climate, Invalid> {
+    let months: Vec<MonthClimate> = input
+        .months
+        .iter()
+        .map(|m| MonthClimate {
+            temperature_mean_c: m.temperature_mean_c,
+            temperature_half_range_c: m.temperature_half_range_c,
+            precipitation_mm: m.precipitation_mm,
+            sunshine_fraction: m.sunshine_fraction,
+        })
+        .collect();
+    let found = months.len();
+    let months: [MonthClimate; MONTHS] = months
+        .try_into()
+        .map_err(|_| Invalid::new("/climate/months", ErrorCode::WrongCount, "twelve months", found))?;
+    Ok(Climate {
+        months,
+        reference_height_m: input.reference_height_m,
+        lapse_c_per_m: input.lapse_c_per_100m / 100.0,
+        latitude_deg: 0.0,
+    })
+}
+
+fn scales(input: &CompetitionInput) -> Scales {
+    match input.scales {
+        ScalesPreset::Authors => Scales::authors(),
+        ScalesPreset::Julve => Scales::julve(),
+    }
+}
+
+fn needs(input: &CompetitionInput) -> Needs {
+    let counts = |need| !input.ignore.contains(&need);
+    Needs {
+        illumination: counts(NeedName::Illumination),
+        temperature: counts(NeedName::Temperature),
+        moisture: counts(NeedName::Moisture),
+        texture: counts(NeedName::Soil),
+        soil: counts(NeedName::Soil),
+    }
+}
+
+/// The biomes of the request, or those that the plants name.
+fn biomes(inputs: &EcosystemInputs, plants: &Plants) -> Result<Vec<(String, Vec<usize>)>, Invalid> {
+    if inputs.biomes.is_empty() {
+        let mut names: Vec<&String> = plants.biomes.iter().filter(|name| !name.is_empty()).collect();
+        names.sort();
+        names.dedup();
+        let members = |name: &String| (0..plants.biomes.len()).filter(|i| plants.biomes[*i] == *name).collect();
+        return Ok(names.into_iter().map(|name| (name.clone(), members(name))).collect());
+    }
+    let (mut named, mut faults) = (Vec::new(), Invalid::default());
+    for (name, members) in &inputs.biomes {
+        let mut indices = Vec::new();
+        for (k, member) in members.iter().enumerate() {
+            match plants.species.iter().position(|s| s.name == *member) {
+                Some(i) => indices.push(i),
+                None => {
+                    let pointer = format!("/biomes/{}/{k}", name.replace('~', "~0").replace('/', "~1"));
+                    faults.push(pointer, ErrorCode::UnknownSpecies, "a plant of the request", member);
+                }
+            }
+        }
+        named.push((name.clone(), indices));
+    }
+    faults.into_result().map(|()| named)
+}
+
+fn passages(input: &PassagesInput, grid: &Grid) -> Result<Passages, Invalid> {
+    let mut faults = Invalid::default();
+    let mut places = |pointer: &str, inputs: &[PlaceInput]| {
+        let place = |(i, p): (usize, &PlaceInput)| faults.keep(place(&format!("{pointer}/{i}"), p, grid));
+        inputs.iter().enumerate().filter_map(place).collect()
+    };
+    let passages =
+        Passages { fords: places("/passages/fords", &input.fords), waypoints: places("/passages/waypoints", &input.waypoints) };
+    faults.into_result().map(|()| passages)
+}
+
+fn place(pointer: &str, input: &PlaceInput, grid: &Grid) -> Result<Place, Invalid> {
+    let corner = Point::new(grid.width as f64 * grid.cell_m, grid.height as f64 * grid.cell_m);
+    let centre = Point::new(input.x, input.y);
+    let radius_m = input.radius_m.unwrap_or(1.5 * grid.cell_m);
+    if !Bounds::new(Point::default(), corner).contains(centre) {
+        let expected = format!("a place on the terrain, which is {} m wide and {} m high", corner.x, corner.y);
+        return Err(Invalid::new(pointer, ErrorCode::OutOfRange, expected, format!("({}, {})", input.x, input.y)));
+    }
+    if radius_m <= 0.0 {
+        return Err(Invalid::new(format!("{pointer}/radius_m"), ErrorCode::OutOfRange, "a radius above 0", radius_m));
+    }
+    Ok(Place { centre, radius_m })
+}
+
+/// Reads maps that must fit the terrain, collecting faults and digests.
+struct Maps<'a> {
+    grid: Grid,
+    sources: &'a dyn Sources,
+    hasher: Hasher,
+    faults: Invalid,
+}
+
+impl<'a> Maps<'a> {
+    fn new(grid: Grid, sources: &'a dyn Sources) -> Self {
+        Self { grid, sources, hasher: Hasher::new(), faults: Invalid::default() }
+    }
+
+    /// What `read` gives, and the digest of all that it read.
+    fn read<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> (T, Digest) {
+        let value = read(self);
+        (value, std::mem::replace(&mut self.hasher, Hasher::new()).finish())
+    }
+
+    fn one(&mut self, pointer: &str, reference: Option<&Reference>) -> Option<Raster<f32>> {
+        let map = self.faults.keep(rasters::map(pointer, reference?, &self.grid, self.sources))?;
+        let hasher = std::mem::replace(&mut self.hasher, Hasher::new());
+        self.hasher = hasher.part(pointer, map.digest.to_string().as_bytes());
+        Some(map.raster)
+    }
+
+    /// One map for the whole year, or twelve.
+    fn monthly(&mut self, pointer: &str, references: &[Reference]) -> Option<MonthlyMap> {
+        match references {
+            [] => None,
+            [year] => {
+                let base = self.one(&format!("{pointer}/0"), Some(year))?;
+                Some(MonthlyMap::Shifted { base, offset: [0.0; MONTHS] })
+            }
+            months if months.len() == MONTHS => {
+                let maps: Vec<Raster<f32>> = (0..MONTHS)
+                    .filter_map(|m| self.one(&format!("{pointer}/{m}"), months.get(m)))
+                    .collect();
+                (maps.len() == MONTHS).then_some(MonthlyMap::Maps(maps))
+            }
+            other => {
+                self.faults.push(pointer, ErrorCode::WrongCount, "one map, or twelve", other.len());
+                None
+            }
+        }
+    }
+
+    fn given(&mut self, inputs: &EcosystemInputs) -> GivenMaps {
+        let maps = &inputs.maps;
+        GivenMaps {
+            temperature_min_c: self.monthly("/maps/temperature_min_c", &maps.temperature_min_c),
+            temperature_max_c: self.monthly("/maps/temperature_max_c", &maps.temperature_max_c),
+            sunlight: self.monthly("/maps/sunlight", &maps.sunlight),
+            moisture: self.monthly("/maps/moisture", &maps.moisture),
+            texture: self.one("/maps/texture", maps.texture.as_ref()),
+            soil: self.soil(maps.soil.as_ref()),
+        }
+    }
+
+    fn soil(&mut self, reference: Option<&Reference>) -> Option<Raster<u8>> {
+        let map = self.one("/maps/soil", reference)?;
+        match map.data.iter().find(|v| !(v.is_nan() || [0.0, 1.0, 2.0, 3.0, 4.0].contains(*v))) {
+            None => Some(map.map(|v| if v.is_nan() { u8::MAX } else { v as u8 })),
+            Some(odd) => {
+                self.faults.push("/maps/soil", ErrorCode::OutOfRange, "soil types 0 to 4 in every cell", odd);
+                None
+            }
+        }
+    }
+
+    fn painted(&mut self, inputs: &EcosystemInputs) -> Vec<(usize, Raster<f32>)> {
+        let cover = |(i, plant): (usize, &biotope_api::ecosystem::PlantInput)| {
+            self.one(&format!("/plants/{i}/painted_cover"), plant.painted_cover.as_ref()).map(|map| (i, map))
+        };
+        inputs.plants.iter().enumerate().filter_map(cover).collect()
+    }
+}
