@@ -1,5 +1,7 @@
 //! What must be true: closed forms, invariants, conserved sums, outside checks.
 
+mod distributions_analysis;
+
 mod herds_drawn;
 mod herds_extraction;
 mod herds_photo;

@@ -5,6 +5,7 @@
 //! those of a [`Metric`]: of points, of disks that may overlap, of oriented ellipses.
 
 mod analyse;
+mod border;
 mod classes;
 mod correlate;
 mod curve;
@@ -19,6 +20,9 @@ pub use analyse::Analysis;
 pub use analyse::AnalysisOptions;
 pub use analyse::ClassSummary;
 pub use analyse::analyse;
+pub use border::BorderOptions;
+pub use border::BorderRule;
+pub use border::learn_border;
 pub use classes::Dependencies;
 pub use correlate::Body;
 pub use correlate::BorderWeight;
