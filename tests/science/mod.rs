@@ -5,3 +5,5 @@ mod distributions_analysis;
 mod herds_drawn;
 mod herds_extraction;
 mod herds_photo;
+mod trails;
+pub mod worlds;

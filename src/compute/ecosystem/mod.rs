@@ -16,8 +16,10 @@
 
 pub mod allometry;
 pub mod climate;
+mod curve;
 pub mod fauna;
 pub mod food_chain;
+pub mod habitat;
 pub mod presence;
 pub mod rag;
 pub mod regions;
@@ -26,6 +28,7 @@ pub mod scales;
 pub mod soil;
 pub mod species;
 pub mod terrain;
+pub mod trails;
 pub mod travel;
 pub mod water;
 pub mod ways;

@@ -1,0 +1,278 @@
+//! From cells to curves: straight where the ground allows, smooth, and never on closed ground.
+
+use super::ways::Way;
+use super::ways::Ways;
+use crate::compute::geometry::Point;
+use crate::compute::raster::Grid;
+
+/// The terrain as one species walks it.
+#[derive(Clone, Copy)]
+pub(crate) struct Ground<'a> {
+    pub(crate) grid: &'a Grid,
+    pub(crate) ways: &'a dyn Ways,
+}
+
+impl Ground<'_> {
+    /// Seconds along a run of neighbouring cells; infinite where a step is closed.
+    pub(crate) fn seconds(&self, species: usize, cells: &[u32]) -> f64 {
+        cells.windows(2).map(|w| self.ways.step_s(species, w[0] as usize, w[1] as usize)).sum()
+    }
+
+    /// Whether every cell that the segment from `p` to `q` touches is open to the species.
+    pub(crate) fn clear(&self, species: usize, p: Point, q: Point) -> bool {
+        crossed_cells(self.grid, p, q, |cell| self.ways.open(species, cell))
+    }
+
+    /// The way with every stretch that a straight run of cells passes as quickly made straight.
+    ///
+    /// A search over neighbouring cells knows eight directions only, so among its quickest ways
+    /// over even ground are many crooked ones; none of them is made slower here.
+    pub(crate) fn straightened(&self, species: usize, way: &Way) -> Vec<u32> {
+        let cells = &way.cells;
+        let at = self.clock(species, cells);
+        if cells.len() < 3 || !at[cells.len() - 1].is_finite() {
+            return cells.clone();
+        }
+        let mut straight = vec![cells[0]];
+        let mut from = 0;
+        while from + 1 < cells.len() {
+            let (to, run) = self.farthest_straight(species, cells, &at, from);
+            straight.extend_from_slice(&run[1..]);
+            from = to;
+        }
+        self.squared(species, &straight)
+    }
+
+    /// The run with a step more wherever it cuts the corner of a closed cell and can go round: a
+    /// curve through such a corner could not be smoothed.
+    pub(crate) fn squared(&self, species: usize, cells: &[u32]) -> Vec<u32> {
+        let mut squared: Vec<u32> = cells.first().copied().into_iter().collect();
+        for w in cells.windows(2) {
+            let (a, b) = (self.grid.cell(w[0] as usize), self.grid.cell(w[1] as usize));
+            let sides = [self.grid.index(b.column, a.row), self.grid.index(a.column, b.row)];
+            let open = sides.map(|side| self.ways.open(species, side));
+            let cut = a.column != b.column && a.row != b.row && open[0] != open[1];
+            let side = if open[0] { sides[0] } else { sides[1] } as u32;
+            if cut && self.seconds(species, &[w[0], side, w[1]]).is_finite() {
+                squared.push(side);
+            }
+            squared.push(w[1]);
+        }
+        squared
+    }
+
+    /// Seconds from the first cell to each.
+    pub(crate) fn clock(&self, species: usize, cells: &[u32]) -> Vec<f64> {
+        let mut now = 0.0;
+        let mut at = vec![0.0];
+        for w in cells.windows(2) {
+            now += self.ways.step_s(species, w[0] as usize, w[1] as usize);
+            at.push(now);
+        }
+        at
+    }
+
+    /// The farthest cell found, by doubling and then halving the stride, that a straight run from
+    /// `from` reaches as quickly as the way does.
+    fn farthest_straight(&self, species: usize, cells: &[u32], at: &[f64], from: usize) -> (usize, Vec<u32>) {
+        let last = cells.len() - 1;
+        let attempt = |to: usize| {
+            let run = straight_run(self.grid, cells[from], cells[to]);
+            let quick = self.seconds(species, &run) <= (at[to] - at[from]) * (1.0 + 1e-6);
+            quick.then_some((to, run))
+        };
+        let mut best = (from + 1, vec![cells[from], cells[from + 1]]);
+        let mut stride = 2;
+        let mut growing = true;
+        while stride > 0 {
+            let to = (if growing { from + stride } else { best.0 + stride }).min(last);
+            match attempt(to) {
+                Some(found) if found.0 > best.0 => best = found,
+                _ => growing = false,
+            }
+            growing &= best.0 < last;
+            stride = if growing { stride * 2 } else { stride / 2 };
+        }
+        best
+    }
+}
+
+/// The cells of a straight run between two cells, both included, each a neighbour of the one
+/// before (Bresenham's line).
+pub(crate) fn straight_run(grid: &Grid, from: u32, to: u32) -> Vec<u32> {
+    let (a, b) = (grid.cell(from as usize), grid.cell(to as usize));
+    let (dx, dy) = (b.column as f64 - a.column as f64, b.row as f64 - a.row as f64);
+    let steps = dx.abs().max(dy.abs());
+    let along = |k: usize| {
+        let t = if steps > 0.0 { k as f64 / steps } else { 0.0 };
+        let (column, row) = ((a.column as f64 + dx * t).round(), (a.row as f64 + dy * t).round());
+        grid.index(column as usize, row as usize) as u32
+    };
+    (0..=steps as usize).map(along).collect()
+}
+
+/// Whether `keep` holds for every cell that the segment touches (Amanatides and Woo 1987);
+/// false when it leaves the map.
+fn crossed_cells(grid: &Grid, p: Point, q: Point, keep: impl Fn(usize) -> bool) -> bool {
+    let (Some(mut cell), Some(goal)) = (grid.at(p), grid.at(q)) else { return false };
+    let size = grid.cell_m;
+    let (dx, dy) = (q.x - p.x, q.y - p.y);
+    let toward = |d: f64| if d > 0.0 { 1 } else { -1 };
+    let (east, south) = (toward(dx), -toward(dy));
+    let centre = grid.centre(cell);
+    let until =
+        |d: f64, offset: f64| if d == 0.0 { f64::INFINITY } else { (0.5 * size - offset * d.signum()) / d.abs() };
+    let (mut next_x, mut next_y) = (until(dx, p.x - centre.x), until(dy, p.y - centre.y));
+    let bound = 4 + ((dx.abs() + dy.abs()) / size) as usize;
+    for _ in 0..bound {
+        if !keep(cell) {
+            return false;
+        }
+        if cell == goal {
+            return true;
+        }
+        let step = if next_x < next_y { (east, 0) } else { (0, south) };
+        if next_x < next_y {
+            next_x += size / dx.abs();
+        } else {
+            next_y += size / dy.abs();
+        }
+        let Some(next) = grid.offset(cell, step.0, step.1) else { return false };
+        cell = next;
+    }
+    keep(goal)
+}
+
+/// The share of the way to the middle of its neighbours that a point goes, or what is free of it.
+const MOVES: [f64; 3] = [0.5, 0.2, 0.05];
+
+/// Smooths a curve by `rounds` of averaging each point with its neighbours: the knots of a
+/// B-spline of degree 2 × `rounds` over the points (Lane and Riesenfeld 1980). A point moves
+/// only when it is not `pinned` and both segments beside it stay `clear`, which is asked with the
+/// index of the segment's first point; so a curve over open cells stays on open cells.
+pub(crate) fn relax(
+    points: &mut [Point],
+    rounds: usize,
+    pinned: impl Fn(usize) -> bool,
+    clear: impl Fn(usize, Point, Point) -> bool,
+) {
+    let n = points.len();
+    let settle = |points: &mut [Point], i: usize| {
+        if pinned(i) {
+            return;
+        }
+        let (before, here, after) = (points[i - 1], points[i], points[i + 1]);
+        let middle = before.lerp(after, 0.5);
+        let free = |there: &Point| clear(i - 1, before, *there) && clear(i, *there, after);
+        if let Some(there) = MOVES.map(|share| here.lerp(middle, share)).into_iter().find(free) {
+            points[i] = there;
+        }
+    };
+    for round in 0..rounds {
+        for k in 1..n.max(2) - 1 {
+            settle(points, if round % 2 == 0 { k } else { n - 1 - k });
+        }
+    }
+}
+
+/// Which points of a line to keep so that it stays within `tolerance` of all of them (Ramer 1972,
+/// Douglas and Peucker 1973); `keep` names points that stay in any case, and a straight piece
+/// replaces a stretch only when it is `clear`.
+pub(crate) fn thinned(
+    points: &[Point],
+    tolerance: f64,
+    keep: impl Fn(usize) -> bool,
+    clear: impl Fn(usize, Point, Point) -> bool,
+) -> Vec<usize> {
+    let mut kept: Vec<usize> = (0..points.len()).filter(|&i| i == 0 || i + 1 == points.len() || keep(i)).collect();
+    let mut open: Vec<(usize, usize)> = kept.windows(2).map(|w| (w[0], w[1])).collect();
+    while let Some((a, b)) = open.pop() {
+        if b < a + 2 {
+            continue;
+        }
+        let off = |i: &usize| distance_to_segment(points[*i], points[a], points[b]);
+        let far = (a + 1..b).max_by(|i, j| off(i).total_cmp(&off(j))).unwrap_or(a + 1);
+        if off(&far) > tolerance || !clear(a, points[a], points[b]) {
+            kept.push(far);
+            open.extend([(a, far), (far, b)]);
+        }
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept
+}
+
+fn distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
+    let along = b - a;
+    let t = if along.norm_sq() > 0.0 { ((p - a).dot(along) / along.norm_sq()).clamp(0.0, 1.0) } else { 0.0 };
+    p.distance(a.lerp(b, t))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute::ecosystem::ways::sample::Plain;
+
+    #[test]
+    fn a_crooked_way_over_even_ground_becomes_straight() {
+        let plain = Plain::new(60, 30, 1.0);
+        let grid = &plain.grid;
+        let corner: Vec<u32> =
+            (0..30).map(|c| grid.index(c, 0)).chain((1..20).map(|k| grid.index(29 + k, k))).map(|i| i as u32).collect();
+        let way = Way { seconds: 0.0, cells: corner };
+        let ground = Ground { grid, ways: &plain };
+        let straight = ground.straightened(0, &way);
+        assert!(ground.seconds(0, &straight) <= ground.seconds(0, &way.cells) * (1.0 + 1e-9));
+        let (a, b) = (grid.centre(way.cells[0] as usize), grid.centre(way.cells[48] as usize));
+        for cell in straight {
+            assert!(distance_to_segment(grid.centre(cell as usize), a, b) < 1.5);
+        }
+    }
+
+    #[test]
+    fn a_segment_is_clear_only_when_all_cells_it_crosses_are_open() {
+        let plain = Plain::new(20, 20, 2.0).with_river(10, 4);
+        let ground = Ground { grid: &plain.grid, ways: &plain };
+        let at = |column, row| plain.grid.centre(plain.grid.index(column, row));
+        assert!(ground.clear(0, at(5, 4), at(15, 4)));
+        assert!(!ground.clear(0, at(5, 4), at(15, 9)));
+        assert!(!ground.clear(0, at(5, 5), at(15, 5)));
+        assert!(ground.clear(0, at(5, 19), at(9, 0)) && ground.clear(0, at(9, 0), at(5, 19)));
+        assert!(!ground.clear(0, at(5, 5), Point::new(-1.0, 5.0)));
+    }
+
+    #[test]
+    fn smoothing_never_leaves_open_ground_and_takes_out_corners() {
+        let plain = Plain::new(40, 40, 1.0).with_river(20, 3);
+        let ground = Ground { grid: &plain.grid, ways: &plain };
+        let to = plain.grid.index(35, 30);
+        let way = plain.ways(0, plain.grid.index(4, 30), &[to], &crate::compute::run::Run::silent()).unwrap().remove(0);
+        let cells = ground.straightened(0, &way.unwrap());
+        let mut points: Vec<Point> = cells.iter().map(|&c| plain.grid.centre(c as usize)).collect();
+        let sharpest = |points: &[Point]| {
+            let turn = |w: &[Point]| {
+                let (a, b) = (w[1] - w[0], w[2] - w[1]);
+                libm::atan2(a.cross(b), a.dot(b)).abs()
+            };
+            points.windows(3).map(turn).fold(0.0, f64::max)
+        };
+        let before = sharpest(&points);
+        let last = points.len() - 1;
+        relax(&mut points, 12, |i| i == 0 || i == last, |_, p, q| ground.clear(0, p, q));
+        assert!(sharpest(&points) < 0.7 * before, "{} {before}", sharpest(&points));
+        assert!(points.iter().all(|&p| plain.open(0, plain.grid.at(p).unwrap())));
+    }
+
+    #[test]
+    fn a_thinned_line_stays_near_all_points() {
+        let points: Vec<Point> =
+            (0..200).map(|i| Point::new(f64::from(i), 10.0 * libm::sin(f64::from(i) * 0.05))).collect();
+        let kept = thinned(&points, 0.3, |i| i == 77, |_, _, _| true);
+        assert!(kept.len() < 60 && kept.contains(&77), "{kept:?}");
+        for w in kept.windows(2) {
+            for p in &points[w[0]..w[1]] {
+                assert!(distance_to_segment(*p, points[w[0]], points[w[1]]) <= 0.3);
+            }
+        }
+    }
+}

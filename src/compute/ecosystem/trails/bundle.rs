@@ -1,0 +1,254 @@
+//! Routes that run close together become one trail: animals follow what is already trodden.
+
+use super::routes::Route;
+use crate::compute::ecosystem::curve::Ground;
+use crate::compute::random::Purpose;
+use crate::compute::random::hash2;
+use crate::compute::random::unit;
+use crate::compute::raster::Grid;
+use crate::compute::run::Run;
+use crate::compute::run::Stopped;
+use rayon::prelude::*;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+const ROUGHNESS: Purpose = Purpose::new("trails.roughness");
+
+/// Routes laid at once, at most: they do not see each other.
+const MOST_AT_ONCE: usize = 64;
+
+/// Wavelengths of the unevenness that no map shows, in cells, and their shares (ours).
+const WAVES: [(f64, f64); 2] = [(9.0, 0.7), (4.0, 0.3)];
+
+/// How routes bend.
+pub(crate) struct Bending {
+    pub(crate) attraction: f64,
+    pub(crate) roughness: f64,
+    pub(crate) reach_cells: usize,
+    pub(crate) seed: u64,
+}
+
+/// Lays the routes again, heaviest first, each within `reach_cells` of its first course, where a
+/// step costs its time × (1 + roughness) × (1 − attraction · T / (T + w)): T is what already walks
+/// on both cells, w what the route carries itself. So a lighter route gives way to a heavier one
+/// and main trails emerge, as in the model of Helbing, Keltsch and Molnár (1997) where walkers
+/// follow and deepen what others have trodden. Routes are laid in groups of growing size that do
+/// not see each other, so that the result does not depend on the number of threads.
+pub(crate) fn bundle(routes: &mut [Route], ground: &Ground, bending: &Bending, run: &Run) -> Result<(), Stopped> {
+    let mut load = vec![0.0f32; ground.grid.len()];
+    let total = routes.len();
+    let mut laid = 0;
+    while laid < total {
+        let next = (laid + (laid / 4).clamp(1, MOST_AT_ONCE)).min(total);
+        let group = &mut routes[laid..next];
+        group.par_iter_mut().try_for_each(|route| {
+            run.check()?;
+            if let Some(cells) = relaid(route, ground, &load, bending) {
+                route.cells = cells;
+            }
+            Ok(())
+        })?;
+        for route in group.iter() {
+            route.cells.iter().for_each(|&cell| load[cell as usize] += route.kg as f32);
+        }
+        laid = next;
+        run.progress("trails.bundle", laid as u64, total as u64)?;
+    }
+    Ok(())
+}
+
+/// The cheapest course within reach of the present one.
+fn relaid(route: &Route, ground: &Ground, load: &[f32], bending: &Bending) -> Option<Vec<u32>> {
+    let band = Band::around(ground.grid, &route.cells, bending.reach_cells);
+    let (from, to) = (*route.cells.first()? as usize, *route.cells.last()? as usize);
+    let start = band.place(from)?;
+    let goal = band.place(to)?;
+    let mut best = vec![f64::INFINITY; band.len];
+    let mut before = vec![u32::MAX; band.len];
+    let mut queue = BinaryHeap::from([Reverse((0u64, start as u32, from as u32))]);
+    best[start] = 0.0;
+    while let Some(Reverse((bits, here, cell))) = queue.pop() {
+        let here = here as usize;
+        if f64::from_bits(bits) > best[here] {
+            continue;
+        }
+        if here == goal {
+            break;
+        }
+        for (next, _) in ground.grid.neighbours(cell as usize) {
+            let Some(place) = band.place(next) else { continue };
+            let reached = best[here] + cost(route, ground, load, bending, (cell as usize, next));
+            if reached < best[place] {
+                (best[place], before[place]) = (reached, cell);
+                queue.push(Reverse((reached.to_bits(), place as u32, next as u32)));
+            }
+        }
+    }
+    best[goal].is_finite().then(|| ground.squared(route.species, &trace(&band, &before, from, to)))
+}
+
+fn cost(route: &Route, ground: &Ground, load: &[f32], bending: &Bending, (a, b): (usize, usize)) -> f64 {
+    let mut seconds = ground.ways.step_s(route.species, a, b);
+    if route.both_ways {
+        seconds = 0.5 * (seconds + ground.ways.step_s(route.species, b, a));
+    }
+    let trodden = f64::from(load[a].min(load[b]));
+    let ease = 1.0 - bending.attraction * trodden / (trodden + route.kg);
+    seconds * ease * (1.0 + bending.roughness * unevenness(ground.grid, b, bending.seed))
+}
+
+fn trace(band: &Band, before: &[u32], from: usize, to: usize) -> Vec<u32> {
+    let mut cells = vec![to as u32];
+    let mut cell = to;
+    while cell != from {
+        let Some(place) = band.place(cell) else { break };
+        cell = before[place] as usize;
+        cells.push(cell as u32);
+    }
+    cells.reverse();
+    cells
+}
+
+/// Smooth noise in 0..=1, a function of the seed and the cell.
+fn unevenness(grid: &Grid, cell: usize, seed: u64) -> f64 {
+    let at = grid.cell(cell);
+    WAVES.iter().map(|(length, share)| share * noise(at.column as f64 / length, at.row as f64 / length, seed)).sum()
+}
+
+fn noise(x: f64, y: f64, seed: u64) -> f64 {
+    let (column, row) = (x.floor(), y.floor());
+    let corner = |dx: u64, dy: u64| unit(hash2(seed, ROUGHNESS, column as u64 + dx, row as u64 + dy));
+    let ease = |t: f64| t * t * (3.0 - 2.0 * t);
+    let (u, v) = (ease(x - column), ease(y - row));
+    let north = corner(0, 0) + u * (corner(1, 0) - corner(0, 0));
+    let south = corner(0, 1) + u * (corner(1, 1) - corner(0, 1));
+    north + v * (south - north)
+}
+
+/// The cells within a number of rows and columns of a route, numbered row by row: a search in
+/// there needs memory for the band only.
+struct Band {
+    width: usize,
+    first_row: usize,
+    /// Per row: (first column, end column, number of the first cell), ascending, disjoint.
+    rows: Vec<Vec<(u32, u32, u32)>>,
+    len: usize,
+}
+
+impl Band {
+    fn around(grid: &Grid, cells: &[u32], reach: usize) -> Self {
+        let row_of = |cell: &u32| *cell as usize / grid.width;
+        let low = cells.iter().map(row_of).min().unwrap_or(0).saturating_sub(reach);
+        let high = (cells.iter().map(row_of).max().unwrap_or(0) + reach).min(grid.height - 1);
+        let mut spans: Vec<Vec<(u32, u32)>> = vec![Vec::new(); high - low + 1];
+        for run in cells.chunk_by(|a, b| row_of(a) == row_of(b)) {
+            let columns = || run.iter().map(|cell| *cell as usize % grid.width);
+            let first = columns().min().unwrap_or(0).saturating_sub(reach);
+            let end = (columns().max().unwrap_or(0) + reach + 1).min(grid.width);
+            let row = row_of(&run[0]);
+            for near in row.saturating_sub(reach)..=(row + reach).min(high) {
+                spans[near - low].push((first as u32, end as u32));
+            }
+        }
+        let mut len = 0;
+        let rows = spans.into_iter().map(|spans| numbered(merged(spans), &mut len)).collect();
+        Self { width: grid.width, first_row: low, rows, len: len as usize }
+    }
+
+    /// The number of a cell of the terrain in the band.
+    fn place(&self, cell: usize) -> Option<usize> {
+        let (row, column) = (cell / self.width, (cell % self.width) as u32);
+        let spans = self.rows.get(row.checked_sub(self.first_row)?)?;
+        let (first, _, number) = spans.iter().find(|(first, end, _)| (*first..*end).contains(&column))?;
+        Some((number + column - first) as usize)
+    }
+}
+
+fn merged(mut spans: Vec<(u32, u32)>) -> Vec<(u32, u32)> {
+    spans.sort_unstable();
+    let mut all: Vec<(u32, u32)> = Vec::new();
+    for (first, end) in spans {
+        match all.last_mut() {
+            Some(last) if first <= last.1 => last.1 = last.1.max(end),
+            _ => all.push((first, end)),
+        }
+    }
+    all
+}
+
+fn numbered(spans: Vec<(u32, u32)>, len: &mut u32) -> Vec<(u32, u32, u32)> {
+    let mut number = |(first, end): (u32, u32)| {
+        let start = *len;
+        *len += end - first;
+        (first, end, start)
+    };
+    spans.into_iter().map(&mut number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute::ecosystem::ways::Ways;
+    use crate::compute::ecosystem::ways::sample::Plain;
+
+    fn route(grid: &Grid, row: usize, kg: f64) -> Route {
+        let cells = (0..grid.width).map(|column| grid.index(column, row) as u32).collect();
+        Route { species: 0, cells, kg, both_ways: true }
+    }
+
+    fn straight() -> Bending {
+        Bending { attraction: 0.5, roughness: 0.0, reach_cells: 4, seed: 1 }
+    }
+
+    #[test]
+    fn the_band_holds_each_cell_within_reach_once() {
+        let grid = Grid::new(30, 20, 1.0);
+        let cells: Vec<u32> = [(5, 3), (6, 4), (7, 5), (8, 5), (8, 4)].map(|(c, r)| grid.index(c, r) as u32).into();
+        let band = Band::around(&grid, &cells, 2);
+        let near = |cell: usize| {
+            let at = grid.cell(cell);
+            cells.iter().any(|&c| {
+                let b = grid.cell(c as usize);
+                at.column.abs_diff(b.column) <= 2 && at.row.abs_diff(b.row) <= 2
+            })
+        };
+        let mut places: Vec<usize> = (0..grid.len()).filter_map(|cell| band.place(cell)).collect();
+        assert!((0..grid.len()).all(|cell| !near(cell) || band.place(cell).is_some()));
+        places.sort_unstable();
+        assert_eq!(places, (0..band.len).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_light_route_joins_a_heavy_one_and_not_the_other_way_round() {
+        let plain = Plain::new(60, 12, 1.0);
+        let ground = Ground { grid: &plain.grid, ways: &plain };
+        let mut routes = [route(&plain.grid, 4, 100.0), route(&plain.grid, 6, 1.0)];
+        bundle(&mut routes, &ground, &straight(), &Run::silent()).unwrap();
+        assert_eq!(routes[0].cells, route(&plain.grid, 4, 0.0).cells);
+        let shared = routes[1].cells.iter().filter(|cell| routes[0].cells.contains(cell)).count();
+        assert!(shared > 50, "{shared}");
+    }
+
+    #[test]
+    fn routes_out_of_reach_of_each_other_stay_apart() {
+        let plain = Plain::new(40, 30, 1.0);
+        let ground = Ground { grid: &plain.grid, ways: &plain };
+        let mut routes = [route(&plain.grid, 4, 100.0), route(&plain.grid, 20, 1.0)];
+        let before = routes.clone();
+        bundle(&mut routes, &ground, &straight(), &Run::silent()).unwrap();
+        assert_eq!(routes, before);
+    }
+
+    #[test]
+    fn a_relaid_route_still_crosses_the_river_at_the_ford() {
+        let plain = Plain::new(40, 30, 1.0).with_river(20, 15);
+        let ground = Ground { grid: &plain.grid, ways: &plain };
+        let target = [plain.grid.index(35, 15)];
+        let way = plain.ways(0, plain.grid.index(3, 12), &target, &Run::silent()).unwrap().remove(0).unwrap();
+        let mut routes = [Route { species: 0, cells: way.cells, kg: 1.0, both_ways: true }];
+        let rough = Bending { roughness: 1.0, ..straight() };
+        bundle(&mut routes, &ground, &rough, &Run::silent()).unwrap();
+        assert!(routes[0].cells.contains(&(plain.grid.index(20, 15) as u32)));
+        assert!(ground.seconds(0, &routes[0].cells).is_finite());
+    }
+}
