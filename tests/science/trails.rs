@@ -109,7 +109,7 @@ fn all_that_crosses_the_river_makes_the_ford_the_busiest_place() {
 fn every_two_nodes_with_traffic_are_joined_by_the_lines() {
     let world = valley();
     let trails = made(&world, &all());
-    let near = |p: Point| trails.lines.iter().flat_map(|l| &l.points).any(|q| q.distance(p) < 1.5 * world.grid.cell_m);
+    let near = |p: Point| trails.lines.iter().flat_map(|l| &l.points).any(|q| q.distance(p) < 1e-9);
     assert!(world.rag.nodes.iter().all(|node| near(node.place)));
     assert!(trails.lines.iter().flat_map(|l| &l.stretches).all(|s| {
         let shares: f64 = s.species.iter().map(|share| share.1).sum();

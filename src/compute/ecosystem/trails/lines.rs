@@ -20,20 +20,24 @@ const ROUNDS: usize = 14;
 /// How far a line may be from the smoothed curve, in cells.
 const TOLERANCE: f64 = 0.05;
 
+/// What lines are drawn through.
+pub(crate) struct Plot<'a> {
+    pub(crate) portions: &'a [Portion],
+    /// Cells that lines pass through exactly: where resources are.
+    pub(crate) stops: &'a [u32],
+    pub(crate) ground: &'a Ground<'a>,
+    pub(crate) wear: &'a Wear,
+}
+
 /// One line per chain, on ground open to the species that walk it most. Chains are smoothed from
 /// the heaviest down; where a later one meets an earlier one it ends on the earlier one's line.
-pub(crate) fn lines(
-    portions: &[Portion],
-    chains: &[Chain],
-    ground: &Ground,
-    wear: &Wear,
-    run: &Run,
-) -> Result<Vec<Trail>, Stopped> {
-    let mut settled = BTreeMap::new();
+pub(crate) fn lines(plot: &Plot, chains: &[Chain], run: &Run) -> Result<Vec<Trail>, Stopped> {
+    let place = |&cell: &u32| (cell, plot.ground.grid.centre(cell as usize));
+    let mut settled: BTreeMap<u32, Point> = plot.stops.iter().map(place).collect();
     let mut trails = Vec::with_capacity(chains.len());
     for chain in chains {
         run.check()?;
-        trails.push(Course::of(portions, chain).trail(portions, ground, wear, &mut settled));
+        trails.push(Course::of(plot.portions, chain).trail(plot, &mut settled));
     }
     Ok(trails)
 }
@@ -62,7 +66,8 @@ impl Course {
         course
     }
 
-    fn trail(&self, portions: &[Portion], ground: &Ground, wear: &Wear, settled: &mut BTreeMap<u32, Point>) -> Trail {
+    fn trail(&self, plot: &Plot, settled: &mut BTreeMap<u32, Point>) -> Trail {
+        let Plot { portions, ground, wear, .. } = *plot;
         let joints = self.joints();
         let fixed: Vec<bool> = self.fixed(&joints, settled);
         let centre = |cell: &u32| settled.get(cell).copied().unwrap_or(ground.grid.centre(*cell as usize));

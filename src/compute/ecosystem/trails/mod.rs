@@ -151,7 +151,8 @@ pub fn trails(habitat: &Habitat, options: &Options, run: &Run) -> Result<Trails,
     bundle::bundle(&mut routes, &ground, &bending(options, habitat.grid.cell_m), run)?;
     let portions = network::portions(&routes);
     let chains = network::chains(&portions);
-    let lines = lines::lines(&portions, &chains, &ground, wear, run)?;
+    let stops = network::ends(&routes);
+    let lines = lines::lines(&lines::Plot { portions: &portions, stops: &stops, ground: &ground, wear }, &chains, run)?;
     let maps = wear::maps(&lines, &ground, wear);
     Ok(Trails {
         lines,

@@ -35,8 +35,7 @@ struct Link {
 /// routes. Junctions are where more or less than two links meet, and where routes end.
 pub(crate) fn portions(routes: &[Route]) -> Vec<Portion> {
     let links = links(routes);
-    let mut ends: Vec<u32> = routes.iter().flat_map(|r| [r.cells[0], r.cells[r.cells.len() - 1]]).collect();
-    ends.sort_unstable();
+    let ends = ends(routes);
     let mut at: Vec<(u32, usize)> =
         links.iter().enumerate().flat_map(|(i, link)| [(link.ends.0, i), (link.ends.1, i)]).collect();
     at.sort_unstable();
@@ -70,6 +69,14 @@ pub(crate) fn portions(routes: &[Route]) -> Vec<Portion> {
         }
     }
     portions
+}
+
+/// The cells where routes begin and end, ascending.
+pub(crate) fn ends(routes: &[Route]) -> Vec<u32> {
+    let mut ends: Vec<u32> = routes.iter().flat_map(|r| [r.cells[0], r.cells[r.cells.len() - 1]]).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    ends
 }
 
 fn links(routes: &[Route]) -> Vec<Link> {
