@@ -1,9 +1,10 @@
 //! What must be true: closed forms, invariants, conserved sums, outside checks.
 
 mod distributions_analysis;
-
+mod flora;
 mod herds_drawn;
 mod herds_extraction;
 mod herds_photo;
+mod tautavel;
 mod trails;
 pub mod worlds;

@@ -15,9 +15,12 @@
 //! 9. `biomes`, `summary` – what the experts look at
 
 pub mod allometry;
+pub mod biomes;
 pub mod climate;
 mod curve;
 pub mod fauna;
+pub mod fitness;
+pub mod flora;
 pub mod food_chain;
 pub mod habitat;
 pub mod presence;
@@ -25,6 +28,7 @@ pub mod rag;
 pub mod regions;
 pub mod resources;
 pub mod scales;
+mod slabs;
 pub mod soil;
 pub mod species;
 pub mod terrain;
