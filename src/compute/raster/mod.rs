@@ -2,9 +2,11 @@
 
 mod bucket_queue;
 pub mod compass;
+mod distance;
 mod grid;
 mod outline;
 
 pub use bucket_queue::BucketQueue;
+pub use distance::distance_to_zero;
 pub use grid::{Cell, Grid, Raster};
 pub use outline::outline;

@@ -7,7 +7,6 @@
 mod classifier;
 mod colour;
 mod correction;
-mod distance;
 mod ellipses;
 mod error;
 mod mask;
@@ -27,6 +26,7 @@ pub use watershed::WatershedOptions;
 use crate::compute::geometry::Ellipse;
 use crate::compute::geometry::Point;
 use crate::compute::raster::Raster;
+use crate::compute::raster::distance_to_zero;
 use crate::compute::run::Run;
 
 /// Regions below this share of the typical one are noise (ours), ...
@@ -121,7 +121,7 @@ pub fn extract(
     let mask = mask::threshold(scores, photo.grid(), options.smoothing, run)?;
     run.progress(STAGE, 3, 6)?;
     // 5. The watershed of the distance to the ground parts animals that touch.
-    let distance = distance::to_ground(&mask, run)?;
+    let distance = distance_to_zero(&mask, run)?;
     run.progress(STAGE, 4, 6)?;
     let regions = watershed::regions(&distance, &options.watershed, run)?;
     run.progress(STAGE, 5, 6)?;

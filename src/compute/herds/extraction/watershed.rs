@@ -213,8 +213,8 @@ mod tests {
     use super::*;
     use crate::compute::geometry::Ellipse;
     use crate::compute::geometry::Point;
-    use crate::compute::herds::extraction::distance::to_ground;
     use crate::compute::raster::Grid;
+    use crate::compute::raster::distance_to_zero;
 
     fn drawn(ellipses: &[Ellipse]) -> Raster<u8> {
         let grid = Grid::new(120, 100, 1.0);
@@ -224,7 +224,7 @@ mod tests {
 
     fn parted(ellipses: &[Ellipse]) -> Vec<Ellipse> {
         let mask = drawn(ellipses);
-        let distance = to_ground(&mask, &Run::silent()).unwrap();
+        let distance = distance_to_zero(&mask, &Run::silent()).unwrap();
         let regions = regions(&distance, &WatershedOptions::default(), &Run::silent()).unwrap();
         regions.shapes.iter().map(|s| s.ellipse(mask.grid)).collect()
     }

@@ -1,16 +1,19 @@
-use super::ExtractionError;
 use crate::compute::raster::Raster;
 use crate::compute::run::Run;
+use crate::compute::run::Stopped;
 use rayon::prelude::*;
 
 /// Columns handled together in the first pass.
 const STRIP: usize = 256;
 
-/// Exact Euclidean distance of every animal pixel to the nearest ground pixel, 0 on the ground
-/// (Meijster, Roerdink and Hesselink 2000: a scan of the columns, then the lower envelope of
-/// parabolas along each row). What lies outside the picture is not ground: an animal cut by the
-/// border keeps its depth there.
-pub(super) fn to_ground(mask: &Raster<u8>, run: &Run) -> Result<Raster<f32>, ExtractionError> {
+/// Exact Euclidean distance, in cells, of the centre of every cell that is not 0 to the centre of
+/// the nearest cell that is, and 0 in those (Meijster, Roerdink and Hesselink 2000: a scan of the
+/// columns, then the lower envelope of parabolas along each row). What lies outside the map is
+/// not 0. Without any cell of 0 all distances are width + height.
+///
+/// # Errors
+/// [`Stopped`] when the work was stopped.
+pub fn distance_to_zero(mask: &Raster<u8>, run: &Run) -> Result<Raster<f32>, Stopped> {
     let (width, height) = (mask.grid.width, mask.grid.height);
     let vertical = vertical_distances(mask);
     run.check()?;
@@ -28,7 +31,7 @@ pub(super) fn to_ground(mask: &Raster<u8>, run: &Run) -> Result<Raster<f32>, Ext
     Ok(Raster { grid: mask.grid, data })
 }
 
-/// Distance to the nearest ground pixel of the same column; width + height where there is none.
+/// Distance to the nearest cell of 0 in the same column; width + height where there is none.
 fn vertical_distances(mask: &Raster<u8>) -> Vec<u32> {
     let (width, height) = (mask.grid.width, mask.grid.height);
     let far = (width + height) as u32;
@@ -123,19 +126,19 @@ mod tests {
             let mut random = Stream::new(seed, Purpose::new("test.distance"), 0);
             let data = (0..grid.len()).map(|_| u8::from(random.unit() > share)).collect();
             let mask = Raster { grid, data };
-            let found = to_ground(&mask, &Run::silent()).unwrap();
+            let found = distance_to_zero(&mask, &Run::silent()).unwrap();
             for i in 0..grid.len() {
-                let ground = (0..grid.len()).filter(|&j| mask.data[j] == 0);
-                let naive = ground.map(|j| grid.centre(i).distance(grid.centre(j))).fold(f64::INFINITY, f64::min);
+                let zeros = (0..grid.len()).filter(|&j| mask.data[j] == 0);
+                let naive = zeros.map(|j| grid.centre(i).distance(grid.centre(j))).fold(f64::INFINITY, f64::min);
                 assert!((f64::from(found.data[i]) - naive).abs() < 1e-5, "{seed} {i}: {} {naive}", found.data[i]);
             }
         }
     }
 
     #[test]
-    fn a_picture_without_ground_has_finite_distances() {
+    fn a_map_without_zeros_has_finite_distances() {
         let grid = Grid::new(7, 5, 1.0);
-        let found = to_ground(&Raster::filled(grid, 1), &Run::silent()).unwrap();
+        let found = distance_to_zero(&Raster::filled(grid, 1), &Run::silent()).unwrap();
         assert!(found.data.iter().all(|d| *d == 12.0));
     }
 }
