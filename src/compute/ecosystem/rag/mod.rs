@@ -1,7 +1,15 @@
 //! The **Resource Access Graph (RAG)**: localised resources, level by level of the food chain,
 //! and what it costs each species to go from one to another (L 3.2 and 5, T 5.3).
 
-use super::species::Food;
+mod atoms;
+pub(crate) mod field;
+pub(crate) mod level;
+mod patches;
+pub(crate) mod pools;
+
+pub use field::PlantGrowth;
+
+use crate::compute::ecosystem::species::Food;
 use crate::compute::geometry::Point;
 
 /// What a node of the graph offers.
@@ -94,4 +102,21 @@ pub struct Rag {
     pub nodes: Vec<Node>,
     /// What each species makes of them, by species, then region.
     pub territories: Vec<Territory>,
+}
+
+/// How resources are cut into nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeOptions {
+    /// Fragments smaller than this join a larger node near by; a resource that covers less than
+    /// this of a region is left alone there, m². Default: 10 000, ours: as for regions.
+    pub min_area_m2: f64,
+    /// Nodes that a territory has at most. Default: 64, ours: travel times are as many searches,
+    /// and as many numbers squared.
+    pub max_nodes: usize,
+}
+
+impl Default for NodeOptions {
+    fn default() -> Self {
+        Self { min_area_m2: 10_000.0, max_nodes: 64 }
+    }
 }
