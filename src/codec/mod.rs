@@ -18,3 +18,5 @@ pub mod colours;
 pub mod draw;
 pub mod map;
 pub mod picture;
+pub mod sheet;
+pub mod warning;
