@@ -45,9 +45,9 @@ pub struct MoistureRules {
 }
 
 impl Default for MoistureRules {
-    /// 1 mm, 20 m, 0.02, 1 m (all ours).
+    /// 1 mm, 10 m, 0.02, 1 m (all ours).
     fn default() -> Self {
-        Self { min_precipitation_mm: 1.0, own_length_m: 20.0, level_grade: 0.02, damp_height_m: 1.0 }
+        Self { min_precipitation_mm: 1.0, own_length_m: 10.0, level_grade: 0.02, damp_height_m: 1.0 }
     }
 }
 
@@ -128,9 +128,9 @@ mod tests {
 
     #[test]
     fn a_slope_has_the_index_of_its_length_and_grade() {
-        // 100 cells of 10 m on a slope of 0.2: at row 50 from the top 495 m drain to the centre.
+        // 100 cells of 10 m on a slope of 0.2: at row 50 from the top 495 m and 10 m drain to the centre.
         let found = moist(Grid::new(81, 100, 10.0), |_, y| 0.2 * y, [60.0; MONTHS], Scales::authors());
-        let index = libm::log(0.515 / 0.2) + libm::log(0.06);
+        let index = libm::log(0.505 / 0.2) + libm::log(0.06);
         let expected = 1.0 + (index + 8.0) * 0.8;
         assert!((f64::from(found.value(3, 40 + 81 * 49)) - expected).abs() < 1e-3);
     }

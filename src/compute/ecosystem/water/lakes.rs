@@ -1,9 +1,9 @@
 //! **Lakes**: depressions of the terrain that are deep and large enough to be more than errors of
 //! the height map.
 
+use crate::compute::ecosystem::water::depressions;
 use crate::compute::ecosystem::water::flood::Flooded;
 use crate::compute::raster::Raster;
-use crate::compute::raster::compass::Compass;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 
@@ -23,41 +23,16 @@ impl Default for LakeRule {
     }
 }
 
-/// Depth of the lakes in m, 0 elsewhere: connected depressions (over the eight neighbours, all
-/// of one level) of `height` that meet `rule`, full to their outlet.
+/// Depth of the lakes in m, 0 elsewhere: the depressions of `height` that meet `rule`, full to
+/// their outlet.
 pub fn lakes(height: &Raster<f32>, flooded: &Flooded, rule: LakeRule, run: &Run) -> Result<Raster<f32>, Stopped> {
-    let grid = height.grid;
-    let level = &flooded.level.data;
-    let below = |cell: usize| level[cell] > height.data[cell];
-    let compass = Compass::new(grid);
-    let mut depth = Raster::filled(grid, 0.0f32);
-    let mut seen = vec![false; grid.len()];
-    let mut cells: Vec<usize> = Vec::new();
-    for start in 0..grid.len() {
-        if start.is_multiple_of(1 << 16) {
-            run.check()?;
+    let cell_area_m2 = height.grid.cell_area_m2();
+    let mut depth = Raster::filled(height.grid, 0.0f32);
+    depressions::each(height, flooded, run, |lake| {
+        if lake.depth_m >= rule.min_depth_m && lake.cells.len() as f64 * cell_area_m2 >= rule.min_area_m2 {
+            lake.cells.iter().for_each(|c| depth.data[*c] = flooded.level.data[*c] - height.data[*c]);
         }
-        if seen[start] || !below(start) {
-            continue;
-        }
-        seen[start] = true;
-        cells.clear();
-        cells.push(start);
-        let mut next = 0;
-        while next < cells.len() {
-            compass.around(cells[next], |_, n| {
-                if !seen[n] && below(n) && level[n] == level[start] {
-                    seen[n] = true;
-                    cells.push(n);
-                }
-            });
-            next += 1;
-        }
-        let deepest = cells.iter().map(|c| level[*c] - height.data[*c]).fold(0.0, f32::max);
-        if deepest >= rule.min_depth_m && cells.len() as f64 * grid.cell_area_m2() >= rule.min_area_m2 {
-            cells.iter().for_each(|c| depth.data[*c] = level[*c] - height.data[*c]);
-        }
-    }
+    })?;
     Ok(depth)
 }
 

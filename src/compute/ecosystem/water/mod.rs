@@ -1,13 +1,15 @@
 //! Stage 1b: **water bodies** and **drainage**: lakes, rivers and streams, given or derived from
 //! the terrain by depression filling and flow accumulation.
 //!
-//! 1. `flood` – the terrain without depressions
+//! 1. `flood` – the terrain without depressions; `gorges` – those that are none are opened first
 //! 2. `flow` – which way water runs over it, and how much land drains through each cell
 //! 3. `lakes`, `streams` – where water stands or runs, how deep and how wide
 //! 4. `shore` – how high the rest lies above it
 
+mod depressions;
 mod flood;
 mod flow;
+mod gorges;
 mod lakes;
 mod shore;
 mod streams;
@@ -15,6 +17,7 @@ mod streams;
 pub use flood::Flooded;
 pub use flood::flood;
 pub use flow::Flow;
+pub use gorges::GorgeRule;
 pub use lakes::LakeRule;
 pub use shore::REACH_M;
 pub use streams::HydraulicGeometry;
@@ -46,6 +49,8 @@ pub struct Water {
 /// How water is derived from a terrain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WaterRules {
+    /// Which barriers are gorges that the height map does not show.
+    pub gorges: GorgeRule,
     /// What counts as a lake.
     pub lakes: LakeRule,
     /// Where streams run and how large they are.
@@ -57,7 +62,13 @@ impl Water {
     /// its valleys streams, as `rules` say.
     pub fn derived(height: &Raster<f32>, rules: &WaterRules, run: &Run) -> Result<Self, Stopped> {
         let flooded = flood(height, run)?;
-        let mut depth_m = lakes::lakes(height, &flooded, rules.lakes, run)?;
+        let (cut, flooded) = match gorges::breached(height, &flooded, rules.gorges, run)? {
+            Some(cut) => (Some(cut), None),
+            None => (None, Some(flooded)),
+        };
+        let ground = cut.as_ref().unwrap_or(height);
+        let flooded = flooded.map_or_else(|| flood(ground, run), Ok)?;
+        let mut depth_m = lakes::lakes(ground, &flooded, rules.lakes, run)?;
         let (steepest, multiple) = rayon::join(
             || Flow::steepest(&flooded).accumulate(&flooded, run),
             || Flow::multiple(&flooded).accumulate(&flooded, run),
