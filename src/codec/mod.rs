@@ -6,6 +6,8 @@
 //! | [`binary`] | the compact form of everything else that is stored between stages |
 //! | [`colours`] | colour maps |
 //! | [`draw`] | a canvas with lines, shapes, text and plots |
+//! | [`sheet`] | a raster as it stands in a file, in any format |
+//! | [`terrain`] | a height map comes in: metres on square cells |
 //! | [`picture`] | photos in, PNG and animated PNG out |
 //!
 //! Nothing here knows of storage, jobs or HTTP. Whatever comes in may be hostile: sizes are
@@ -19,4 +21,5 @@ pub mod draw;
 pub mod map;
 pub mod picture;
 pub mod sheet;
+pub mod terrain;
 pub mod warning;

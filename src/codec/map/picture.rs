@@ -97,7 +97,7 @@ impl Zoom {
         let grid = map.grid();
         let (side, most) = (grid.width.max(grid.height), max_side.max(16));
         let shrink = side.div_ceil(most);
-        let grow = (most / 2 / side).max(1);
+        let grow = (most / side).max(1);
         let cells = (grid.width, grid.height);
         Self { cells, shrink, grow, width: cells.0.div_ceil(shrink), height: cells.1.div_ceil(shrink) }
     }
@@ -333,7 +333,7 @@ mod tests {
         let large = hills(300, 200).picture(&bare(100));
         assert_eq!((large.width, large.height), (100, 67));
         let small = hills(20, 10).picture(&bare(1024));
-        assert_eq!((small.width, small.height), (500, 250));
+        assert_eq!((small.width, small.height), (1020, 510));
     }
 
     #[test]

@@ -238,16 +238,145 @@ fn unreadable(error: impl std::fmt::Display) -> RasterError {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
+    /// A tag of a test file.
+    pub(crate) enum Tag {
+        Shorts(Vec<u16>),
+        Longs(Vec<u32>),
+        Doubles(Vec<f64>),
+        Text(&'static str),
+    }
+
+    impl Tag {
+        /// Type, count and bytes, in the byte order asked for.
+        fn encoded(&self, big: bool) -> (u16, usize, Vec<u8>) {
+            fn all<T: Copy, const N: usize>(items: &[T], big: bool, write: impl Fn(T) -> [u8; N]) -> Vec<u8> {
+                let turn = |mut b: [u8; N]| {
+                    if big {
+                        b.reverse();
+                    }
+                    b
+                };
+                items.iter().flat_map(|v| turn(write(*v))).collect()
+            }
+            match self {
+                Self::Text(t) => (2, t.len() + 1, [t.as_bytes(), b"\0"].concat()),
+                Self::Shorts(v) => (3, v.len(), all(v, big, u16::to_le_bytes)),
+                Self::Longs(v) => (4, v.len(), all(v, big, u32::to_le_bytes)),
+                Self::Doubles(v) => (12, v.len(), all(v, big, f64::to_le_bytes)),
+            }
+        }
+    }
+
+    /// An uncompressed TIFF of one strip; `samples` are already in the byte order.
+    pub(crate) fn tiff(
+        size: (u32, u32),
+        kind: (u16, u16),
+        samples: &[u8],
+        more: Vec<(u16, Tag)>,
+        big: bool,
+    ) -> Vec<u8> {
+        let mut tags = vec![
+            (256, Tag::Longs(vec![size.0])),
+            (257, Tag::Longs(vec![size.1])),
+            (258, Tag::Shorts(vec![kind.1])),
+            (259, Tag::Shorts(vec![1])),
+            (262, Tag::Shorts(vec![1])),
+            (273, Tag::Longs(vec![8])),
+            (277, Tag::Shorts(vec![1])),
+            (278, Tag::Longs(vec![size.1])),
+            (279, Tag::Longs(vec![samples.len() as u32])),
+            (339, Tag::Shorts(vec![kind.0])),
+        ];
+        tags.retain(|(code, _)| more.iter().all(|(other, _)| other != code));
+        tags.extend(more);
+        tags.sort_by_key(|t| t.0);
+        let short = |v: u16| if big { v.to_be_bytes() } else { v.to_le_bytes() };
+        let long = |v: u32| if big { v.to_be_bytes() } else { v.to_le_bytes() };
+        let pad = samples.len().next_multiple_of(2);
+        let ifd = 8 + pad;
+        let mut file = if big { b"MM\0*".to_vec() } else { b"II*\0".to_vec() };
+        file.extend(long(ifd as u32));
+        file.extend(samples);
+        file.resize(ifd, 0);
+        file.extend(short(tags.len() as u16));
+        let mut tail = Vec::new();
+        let tail_at = ifd + 2 + 12 * tags.len() + 4;
+        for (code, tag) in &tags {
+            let (kind, count, mut bytes) = tag.encoded(big);
+            file.extend(short(*code));
+            file.extend(short(kind));
+            file.extend(long(count as u32));
+            if bytes.len() > 4 {
+                file.extend(long((tail_at + tail.len()) as u32));
+                tail.extend(bytes);
+            } else {
+                bytes.resize(4, 0);
+                file.extend(bytes);
+            }
+        }
+        file.extend(long(0));
+        file.extend(tail);
+        file
+    }
+
+    /// Tags that place cells of that size with the north-west corner at (`x`, `y`).
+    pub(crate) fn placed(cell: (f64, f64), corner: (f64, f64), keys: &[[u16; 4]]) -> Vec<(u16, Tag)> {
+        let directory = [&[1, 1, 0, keys.len() as u16], keys.as_flattened()].concat();
+        vec![
+            (33550, Tag::Doubles(vec![cell.0, cell.1, 0.0])),
+            (33922, Tag::Doubles(vec![0.0, 0.0, 0.0, corner.0, corner.1, 0.0])),
+            (34735, Tag::Shorts(directory)),
+        ]
+    }
+
+    fn read(bytes: &[u8]) -> Result<Sheet, RasterError> {
+        super::read(bytes, &SheetOptions::default())
+    }
+
+    fn samples<const N: usize>(bytes: [[u8; N]; 4]) -> Vec<u8> {
+        bytes.concat()
+    }
+
     #[test]
-    fn scale_and_offset_are_found_in_the_metadata() {
-        let xml = "<GDALMetadata>\n  <Item name=\"AREA\">Area</Item>\n  <Item name=\"SCALE\" sample=\"0\" \
-                   role=\"scale\">0.1</Item>\n  <Item name=\"OFFSET\" sample=\"0\" role=\"offset\">-273.15</Item>\n\
-                   <Item name=\"SCALE\" sample=\"1\" role=\"scale\">7</Item></GDALMetadata>";
-        assert_eq!((item(xml, "scale"), item(xml, "offset")), (Some(0.1), Some(-273.15)));
-        assert_eq!(item("", "scale"), None);
+    fn every_numeric_sample_is_read_in_either_byte_order() {
+        let values = [3.0, 0.0, 250.0, 7.0];
+        let of = |kind, bytes: Vec<u8>, big| {
+            let sheet = read(&tiff((2, 2), kind, &bytes, Vec::new(), big)).unwrap();
+            assert_eq!(sheet.values, values, "{kind:?} {big}");
+            assert_eq!((sheet.place, sheet.crs), (None, SourceCrs::Unknown));
+        };
+        of((1, 8), samples(values.map(|v| (v as u8).to_le_bytes())), false);
+        of((1, 16), samples(values.map(|v| (v as u16).to_le_bytes())), false);
+        of((1, 16), samples(values.map(|v| (v as u16).to_be_bytes())), true);
+        of((1, 32), samples(values.map(|v| (v as u32).to_le_bytes())), false);
+        of((1, 64), samples(values.map(|v| (v as u64).to_le_bytes())), false);
+        of((2, 16), samples(values.map(|v| (v as i16).to_be_bytes())), true);
+        of((2, 32), samples(values.map(|v| (v as i32).to_le_bytes())), false);
+        of((2, 64), samples(values.map(|v| (v as i64).to_be_bytes())), true);
+        of((3, 32), samples(values.map(|v| (v as f32).to_le_bytes())), false);
+        of((3, 32), samples(values.map(|v| (v as f32).to_be_bytes())), true);
+        of((3, 64), samples(values.map(|v| f64::from(v).to_le_bytes())), false);
+    }
+
+    #[test]
+    fn scale_offset_and_nodata_are_honoured() {
+        let xml = "<GDALMetadata><Item name=\"SCALE\" sample=\"0\" role=\"scale\">0.5</Item>\
+                   <Item name=\"OFFSET\" sample=\"0\" role=\"offset\">100</Item></GDALMetadata>";
+        let tags = vec![(GDAL_METADATA, Tag::Text(xml)), (GDAL_NODATA, Tag::Text("-9999"))];
+        let bytes = samples([1_i16, -9999, 3, 4].map(i16::to_le_bytes));
+        let sheet = read(&tiff((2, 2), (2, 16), &bytes, tags, false)).unwrap();
+        assert!(sheet.values[1].is_nan());
+        assert_eq!((sheet.values[0], sheet.values[3]), (100.5, 102.0));
+    }
+
+    #[test]
+    fn scale_and_offset_of_other_bands_are_left_alone() {
+        let xml = "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">0.1</Item>\
+                   <Item name=\"SCALE\" sample=\"1\" role=\"scale\">7</Item>";
+        assert_eq!((item(xml, "scale"), item(xml, "offset"), item("", "scale")), (Some(0.1), None, None));
     }
 
     #[test]
@@ -255,5 +384,48 @@ mod tests {
         let scaling = Scaling { nodata: Some(-3.4028234663852886e38), scale: 1.0, offset: 0.0 };
         assert!(scaling.value(f64::from(f32::MIN)).is_nan());
         assert_eq!(scaling.value(5.0), 5.0);
+    }
+
+    #[test]
+    fn a_file_whose_coordinates_belong_to_points_equals_its_twin() {
+        let bytes = [0; 4];
+        let area = placed((10.0, 10.0), (500.0, 900.0), &[[1024, 0, 1, 1], [1025, 0, 1, 1], [3072, 0, 1, 32631]]);
+        let point = placed((10.0, 10.0), (505.0, 895.0), &[[1024, 0, 1, 1], [1025, 0, 1, 2], [3072, 0, 1, 32631]]);
+        let area = read(&tiff((2, 2), (1, 8), &bytes, area, false)).unwrap();
+        let point = read(&tiff((2, 2), (1, 8), &bytes, point, false)).unwrap();
+        assert_eq!((area.place, &area.crs), (point.place, &point.crs));
+        assert_eq!(area.crs, SourceCrs::Projected(Some(32631), 1.0));
+        assert!(area.warnings.is_empty() && point.warnings[0].code == warning::HALF_PIXEL_POINT);
+    }
+
+    #[test]
+    fn colour_is_refused_and_so_is_a_huge_file() {
+        let rgb = vec![(262, Tag::Shorts(vec![2])), (277, Tag::Shorts(vec![3])), (258, Tag::Shorts(vec![8; 3]))];
+        let error = read(&tiff((1, 1), (1, 8), &[1, 2, 3], rgb, false)).unwrap_err();
+        assert_eq!(error.code(), "COLOR_PNG");
+        let error = read(&tiff((40_000, 40_000), (3, 32), &[0; 4], Vec::new(), false)).unwrap_err();
+        assert!(matches!(error, RasterError::TooLarge { width: 40_000, .. }), "{error}");
+    }
+
+    #[test]
+    fn places_that_are_not_numbers_are_refused() {
+        let tags = placed((f64::NAN, 10.0), (0.0, 0.0), &[]);
+        let error = read(&tiff((2, 2), (1, 8), &[0; 4], tags, false)).unwrap_err();
+        assert!(matches!(error, RasterError::Georeference { .. }), "{error}");
+    }
+
+    #[test]
+    fn damaged_files_are_errors_and_never_panics() {
+        let tags = || placed((10.0, 10.0), (500.0, 900.0), &[[1024, 0, 1, 1], [3072, 0, 1, 32631]]);
+        let file = tiff((8, 8), (3, 32), &[0; 256], tags(), false);
+        let options = SheetOptions { max_cells: 10_000, raw: None };
+        for at in 0..file.len() {
+            for flip in [0x01, 0x80, 0xff] {
+                let mut damaged = file.clone();
+                damaged[at] ^= flip;
+                let _ = super::read(&damaged, &options);
+            }
+            let _ = super::read(&file[..at], &options);
+        }
     }
 }

@@ -7,8 +7,8 @@
 mod ascii;
 mod error;
 mod format;
-mod geotiff;
-mod png;
+pub(crate) mod geotiff;
+pub(crate) mod png;
 mod raw;
 
 pub use error::RasterError;
