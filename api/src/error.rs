@@ -92,6 +92,15 @@ error_codes! {
     MissingPrey = "missing-prey", 400, "An animal finds nothing of its diet among the species of the request.";
     ZeroProportions = "zero-proportions", 400, "The proportions asked for sum to zero.";
     NoRange = "NO_RANGE", 400, "The format holds no heights in metres; the range must be given beside it.";
+    NoCellSize = "no-cell-size", 400, "The format does not say how large a cell is; its size must be given beside it.";
+    RasterTooLarge = "raster-too-large", 400, "A raster has more cells than this service accepts.";
+    RasterTooSmall = "raster-too-small", 400, "A raster has too few cells to be worked on.";
+    NoData = "no-data", 400, "No cell of a raster has a value.";
+    InfiniteValues = "infinite-values", 400, "A raster holds infinite values.";
+    GeoreferenceUnusable = "georeference-unusable", 400, "The place or the coordinate system of a raster cannot be worked with.";
+    PictureTooLarge = "picture-too-large", 400, "A picture has more pixels than this service accepts.";
+    PictureAnimated = "picture-animated", 400, "A moving picture was given where a still one is needed.";
+    PictureCmyk = "picture-cmyk", 400, "A picture in printing colours was given; red, green and blue are needed.";
 }
 
 impl fmt::Display for ErrorCode {

@@ -52,6 +52,10 @@ warning_codes! {
     HerdWaits = "HERD_WAITS", "Herds found no free node and waited.";
     PlanningConflict = "PLANNING_CONFLICT", "An edit of a planning could not be kept.";
     HeightStep = "HEIGHT_STEP", "The smallest step of height is coarse.";
+    FeetConverted = "FEET_CONVERTED", "The raster is in feet or another unit; it was converted to metres.";
+    FirstBand = "FIRST_BAND", "The raster has several bands; the first was read.";
+    ImplausibleHeight = "IMPLAUSIBLE_HEIGHT", "Some heights occur nowhere on Earth.";
+    CellSizeIgnored = "CELL_SIZE_IGNORED", "The raster says itself how large its cells are; the size given beside it was not used.";
 }
 
 impl fmt::Display for WarningCode {
