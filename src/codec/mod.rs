@@ -8,6 +8,7 @@
 //! | [`draw`] | a canvas with lines, shapes, text and plots |
 //! | [`sheet`] | a raster as it stands in a file, in any format |
 //! | [`terrain`] | a height map comes in: metres on square cells |
+//! | [`mask`] | painted masks, densities and maps that belong to a terrain |
 //! | [`picture`] | photos in, PNG and animated PNG out |
 //!
 //! Nothing here knows of storage, jobs or HTTP. Whatever comes in may be hostile: sizes are
@@ -19,6 +20,7 @@ mod blocks;
 pub mod colours;
 pub mod draw;
 pub mod map;
+pub mod mask;
 pub mod picture;
 pub mod sheet;
 pub mod terrain;

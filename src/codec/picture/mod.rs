@@ -1,7 +1,9 @@
 //! Pictures: photos that come in, PNG and animated PNG that go out.
 
+mod photo;
 mod write;
 
+pub use photo::{MAX_PIXELS, PhotoError};
 pub use write::{Animation, Rgba};
 
 use crate::codec::colours::Rgb;

@@ -32,6 +32,7 @@ pub(super) fn read(bytes: &[u8], options: &SheetOptions) -> Result<Sheet, Raster
         height: height as usize,
         values,
         coding: Coding::Values,
+        levels: None,
         place: Some(place),
         crs: SourceCrs::Unknown,
         height_unit_m: None,

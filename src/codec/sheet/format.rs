@@ -52,7 +52,7 @@ fn begins_as_ascii_grid(bytes: &[u8]) -> bool {
 }
 
 /// What bytes in no known format look like.
-pub(super) fn described(bytes: &[u8]) -> String {
+pub(crate) fn described(bytes: &[u8]) -> String {
     let known: [(&[u8], &str); 8] = [
         (b"\xff\xd8\xff", "a JPEG picture"),
         (b"GIF8", "a GIF picture"),

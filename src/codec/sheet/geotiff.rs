@@ -57,6 +57,7 @@ pub(super) fn read(bytes: &[u8], options: &SheetOptions) -> Result<Sheet, Raster
         height: ifd.height() as usize,
         values: values(tiff.tiff(), ifd)?,
         coding: Coding::Values,
+        levels: levels(ifd),
         place,
         crs: tiff.crs()?,
         height_unit_m: tiff.key(VERTICAL_UNITS).map(metres).transpose()?,
@@ -138,6 +139,12 @@ impl Tiff {
             },
         }
     }
+}
+
+/// The highest value of unsigned samples of at most 16 bits.
+fn levels(ifd: &Ifd) -> Option<u32> {
+    let layout = ifd.raster_layout().ok()?;
+    (layout.sample_format == 1 && layout.bits_per_sample <= 16).then(|| (1 << layout.bits_per_sample) - 1)
 }
 
 fn check_bands(ifd: &Ifd, warnings: &mut Vec<Warning>) -> Result<(), RasterError> {

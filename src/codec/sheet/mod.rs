@@ -1,8 +1,8 @@
 //! A raster as it stands in a file, before anybody says what it means.
 //!
 //! [`Sheet::read`] finds the format by looking at the bytes, never at a name, checks the size in
-//! the header before it allocates, and gives values with their place. `terrain` and
-//! `mask` make heights and weights of it.
+//! the header before it allocates, and gives values with their place. [`super::terrain`] and
+//! [`super::mask`] make heights and weights of it.
 
 mod ascii;
 mod error;
@@ -13,6 +13,7 @@ mod raw;
 
 pub use error::RasterError;
 pub use format::Format;
+pub(super) use format::described;
 pub use raw::{ByteOrder, RawLayout, RowOrder};
 
 use crate::codec::map::Georeference;
@@ -92,6 +93,9 @@ pub struct Sheet {
     pub values: Vec<f32>,
     /// What the values are.
     pub coding: Coding,
+    /// The highest value the samples could hold, where they are unsigned integers of at most 16
+    /// bits.
+    pub levels: Option<u32>,
     /// Where the cells lie; `None` when the file does not say.
     pub place: Option<Affine>,
     /// On what they lie.
@@ -115,9 +119,67 @@ impl Sheet {
                 .map_err(|e| RasterError::Unreadable { format: Format::Map, reason: e.to_string() }),
             Some(Format::Raw) | None => match &options.raw {
                 Some(layout) => raw::read(bytes, layout, options),
-                None => Err(RasterError::UnknownFormat { found: format::described(bytes) }),
+                None => Err(RasterError::UnknownFormat { found: described(bytes) }),
             },
         }
+    }
+}
+
+impl Sheet {
+    /// The same with its first row north and its first column west, where its place says
+    /// otherwise by a sign alone.
+    pub(super) fn north_up(mut self) -> Self {
+        let Some(place) = self.place.filter(|p| p.b == 0.0 && p.d == 0.0) else {
+            return self;
+        };
+        if place.e > 0.0 {
+            self.values = self.values.chunks_exact(self.width).rev().flatten().copied().collect();
+            self.place = Some(Affine { y0: place.y0 + place.e * self.height as f64, e: -place.e, ..place });
+        }
+        if place.a < 0.0 {
+            self.values.chunks_exact_mut(self.width).for_each(<[f32]>::reverse);
+            let moved = self.place.unwrap_or(place);
+            self.place = Some(Affine { x0: place.x0 + place.a * self.width as f64, a: -place.a, ..moved });
+        }
+        self
+    }
+
+    /// Refuses infinite values.
+    pub(super) fn check_finite(&self) -> Result<(), RasterError> {
+        let mut infinite = self.values.iter().enumerate().filter(|(_, v)| v.is_infinite()).map(|(i, _)| i);
+        match infinite.next() {
+            None => Ok(()),
+            Some(i) => {
+                Err(RasterError::Infinite { count: 1 + infinite.count(), column: i % self.width, row: i / self.width })
+            }
+        }
+    }
+
+    /// Bilinear interpolation at (`x`, `y`), in cells from the outer corner of the first one.
+    /// Holes stay where they are: the cell that holds the place decides, and neighbours without
+    /// data are left out of the mean. NaN outside.
+    pub(super) fn bilinear(&self, x: f64, y: f64) -> f32 {
+        let (w, h) = (self.width as f64, self.height as f64);
+        let inside = x >= 0.0 && y >= 0.0 && x < w && y < h;
+        if !inside || self.values[y as usize * self.width + x as usize].is_nan() {
+            return f32::NAN;
+        }
+        let (u, v) = ((x - 0.5).clamp(0.0, w - 1.0), (y - 0.5).clamp(0.0, h - 1.0));
+        let (column, row) = (u as usize, v as usize);
+        let (east, south) = ((column + 1).min(self.width - 1), (row + 1).min(self.height - 1));
+        let (fu, fv) = (u - column as f64, v - row as f64);
+        let corners = [
+            (column, row, (1.0 - fu) * (1.0 - fv)),
+            (east, row, fu * (1.0 - fv)),
+            (column, south, (1.0 - fu) * fv),
+            (east, south, fu * fv),
+        ];
+        let (sum, weight) = corners
+            .iter()
+            .map(|(c, r, weight)| (f64::from(self.values[r * self.width + c]), *weight))
+            .filter(|(value, _)| !value.is_nan())
+            .fold((0.0, 0.0), |(s, w), (value, weight)| (s + value * weight, w + weight));
+        (sum / weight) as f32
     }
 }
 
@@ -136,6 +198,7 @@ impl From<Map> for Sheet {
             height: grid.height,
             values,
             coding: Coding::Values,
+            levels: None,
             place: Some(Affine { x0: grid.origin.x, a: grid.cell_m, b: 0.0, y0: north, d: 0.0, e: -grid.cell_m }),
             crs: match map.georeference {
                 Georeference::Local { name } => SourceCrs::Local(name),

@@ -44,6 +44,7 @@ pub(super) fn read(bytes: &[u8], options: &SheetOptions) -> Result<Sheet, Raster
         height: height as usize,
         values,
         coding: Coding::Levels((1 << depth as u32) - 1),
+        levels: Some((1 << depth as u32) - 1),
         place: None,
         crs: SourceCrs::Unknown,
         height_unit_m: None,

@@ -67,6 +67,7 @@ pub(super) fn read(bytes: &[u8], layout: &RawLayout, options: &SheetOptions) -> 
         height: layout.height,
         values,
         coding: Coding::Levels(levels),
+        levels: Some(levels),
         place: None,
         crs: SourceCrs::Unknown,
         height_unit_m: None,

@@ -115,20 +115,10 @@ fn heights(sheet: &mut Sheet, range_m: Option<(f64, f64)>) -> Result<Option<(f64
         let message = format!("heights were converted to metres by the factor {unit}");
         sheet.warnings.push(Warning::new(warning::FEET_CONVERTED, message));
     }
-    check_values(sheet)?;
-    Ok(step)
-}
-
-/// Refuses infinite heights, and a raster without any.
-fn check_values(sheet: &Sheet) -> Result<(), RasterError> {
-    let infinite = || sheet.values.iter().enumerate().filter(|(_, v)| v.is_infinite());
-    if let Some((first, _)) = infinite().next() {
-        let (column, row) = (first % sheet.width, first / sheet.width);
-        return Err(RasterError::Infinite { count: infinite().count(), column, row });
-    }
+    sheet.check_finite()?;
     match sheet.values.iter().all(|v| v.is_nan()) {
         true => Err(RasterError::AllNodata { cells: sheet.values.len() }),
-        false => Ok(()),
+        false => Ok(step),
     }
 }
 

@@ -37,13 +37,8 @@ pub(super) struct Placing {
 
 /// From the cells of the grid to the cells of the file.
 pub(super) enum Way {
-    /// The same cells, with rows or columns turned round.
-    Turned {
-        /// The first row of the file is south.
-        rows: bool,
-        /// The first column of the file is east.
-        columns: bool,
-    },
+    /// The same cells, turned with the first row north.
+    Turned,
     /// Resampled from cells that lie so in the file's coordinates, through a projection if there
     /// is one.
     Resampled(Affine, Option<Projection>),
@@ -127,8 +122,7 @@ fn planar(sheet: &Sheet, affine: Affine, crs: &SourceCrs, options: &TerrainOptio
     let bounds = extent(&affine, sheet);
     if level && (across / down - 1.0).abs() < SQUARE {
         let grid = Grid { width: sheet.width, height: sheet.height, cell_m: across, origin: bounds.min };
-        let way = Way::Turned { rows: affine.e > 0.0, columns: affine.a < 0.0 };
-        return Ok(Placing { grid, way, georeference, latitude_deg, warnings });
+        return Ok(Placing { grid, way: Way::Turned, georeference, latitude_deg, warnings });
     }
     let grid = covering(bounds, across.min(down));
     let message = match level {

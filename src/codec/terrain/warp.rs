@@ -15,7 +15,7 @@ const KNOTS: usize = 16;
 pub(super) fn onto(sheet: Sheet, placing: &Placing) -> Raster<f32> {
     let grid = placing.grid;
     match &placing.way {
-        Way::Turned { rows, columns } => Raster { grid, data: turned(sheet, *rows, *columns) },
+        Way::Turned => Raster { grid, data: sheet.north_up().values },
         Way::Resampled(affine, projection) => {
             let middle = affine.x0 + (affine.a * sheet.width as f64 + affine.b * sheet.height as f64) / 2.0;
             let project = |p: Point| match projection {
@@ -25,18 +25,6 @@ pub(super) fn onto(sheet: Sheet, placing: &Placing) -> Raster<f32> {
             resampled(&sheet, grid, |p| project(p).and_then(|q| cell(affine, q)))
         }
     }
-}
-
-fn turned(sheet: Sheet, rows: bool, columns: bool) -> Vec<f32> {
-    let width = sheet.width;
-    let mut data = sheet.values;
-    if rows {
-        data = data.chunks_exact(width).rev().flatten().copied().collect();
-    }
-    if columns {
-        data.chunks_exact_mut(width).for_each(<[f32]>::reverse);
-    }
-    data
 }
 
 /// Each cell of `grid` by bilinear interpolation at its centre; `find` gives the place in the
@@ -53,37 +41,12 @@ fn resampled(sheet: &Sheet, grid: Grid, find: impl Fn(Point) -> Option<Point> + 
                 continue;
             };
             for (i, value) in values.iter_mut().enumerate() {
-                *value = interpolated(sheet, from.lerp(to, i as f64 / KNOTS as f64));
+                let p = from.lerp(to, i as f64 / KNOTS as f64);
+                *value = sheet.bilinear(p.x, p.y);
             }
         }
     });
     Raster { grid, data }
-}
-
-/// Bilinear interpolation between the four cells around `p`. Holes stay where they are: the
-/// cell that holds `p` decides, and neighbours without data are left out of the mean.
-fn interpolated(sheet: &Sheet, p: Point) -> f32 {
-    let (w, h) = (sheet.width as f64, sheet.height as f64);
-    let inside = p.x >= 0.0 && p.y >= 0.0 && p.x < w && p.y < h;
-    if !inside || sheet.values[p.y as usize * sheet.width + p.x as usize].is_nan() {
-        return f32::NAN;
-    }
-    let (u, v) = ((p.x - 0.5).clamp(0.0, w - 1.0), (p.y - 0.5).clamp(0.0, h - 1.0));
-    let (column, row) = (u as usize, v as usize);
-    let (east, south) = ((column + 1).min(sheet.width - 1), (row + 1).min(sheet.height - 1));
-    let (fu, fv) = (u - column as f64, v - row as f64);
-    let corners = [
-        (column, row, (1.0 - fu) * (1.0 - fv)),
-        (east, row, fu * (1.0 - fv)),
-        (column, south, (1.0 - fu) * fv),
-        (east, south, fu * fv),
-    ];
-    let (sum, weight) = corners
-        .iter()
-        .map(|(c, r, weight)| (f64::from(sheet.values[r * sheet.width + c]), *weight))
-        .filter(|(value, _)| !value.is_nan())
-        .fold((0.0, 0.0), |(s, w), (value, weight)| (s + value * weight, w + weight));
-    (sum / weight) as f32
 }
 
 /// The inverse of the affine map.
