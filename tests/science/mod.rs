@@ -2,6 +2,7 @@
 
 mod distributions_analysis;
 mod flora;
+mod flora_study;
 mod herds_drawn;
 mod herds_extraction;
 mod herds_photo;
