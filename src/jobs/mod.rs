@@ -20,6 +20,7 @@ pub mod context;
 pub mod echo;
 pub mod invalid;
 pub mod job;
+pub mod local;
 mod places;
 pub mod process;
 pub mod progress;

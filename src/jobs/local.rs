@@ -1,0 +1,240 @@
+//! A request in a file, run without a server by the same code.
+
+use std::path::Path;
+use std::path::PathBuf;
+
+use biotope_api::error::ErrorCode;
+use biotope_api::error::Problem;
+use biotope_api::execute::Execute;
+use biotope_api::reference::Reference;
+use biotope_api::warning::Warning;
+use bytes::Bytes;
+use tokio::runtime::Handle;
+
+use crate::compute::run::Run;
+use crate::compute::run::StopFlag;
+use crate::jobs::Artefact;
+use crate::jobs::Failure;
+use crate::jobs::Job;
+use crate::jobs::JobsError;
+use crate::jobs::context::Stored;
+use crate::jobs::process::inputs_schema;
+use crate::jobs::progress::Live;
+use crate::jobs::registry::Registry;
+use crate::jobs::results::load;
+use crate::jobs::schema::InputCheck;
+use crate::jobs::schema::read;
+use crate::jobs::sources::Source;
+use crate::jobs::sources::SourceError;
+use crate::jobs::sources::Sources;
+use crate::jobs::sources::data_address;
+use crate::jobs::sources::inline;
+use crate::jobs::work::Desk;
+use crate::jobs::work::invalid_problem;
+use crate::jobs::work::perform;
+use crate::jobs::work::problem;
+use crate::storage::BlockingStore;
+use crate::storage::Store;
+
+/// Why a request in a file gave no results.
+#[derive(Debug, thiserror::Error)]
+pub enum LocalError {
+    /// A file cannot be read or written.
+    #[error("{}: {cause}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: std::io::Error,
+    },
+    /// The request is at fault, or the work ended for a reason that is no fault of ours.
+    #[error("{}", .0.detail)]
+    Problem(Box<Problem>),
+    /// A fault of ours.
+    #[error("{0}")]
+    Fault(String),
+    /// The work was told to stop.
+    #[error("stopped")]
+    Stopped,
+}
+
+impl From<JobsError> for LocalError {
+    fn from(error: JobsError) -> Self {
+        Self::Fault(error.to_string())
+    }
+}
+
+/// A request in a file.
+#[derive(Debug, Clone)]
+pub struct FileRequest {
+    /// What is to be done.
+    pub execute: Execute,
+    /// The folder that relative references start from.
+    pub folder: PathBuf,
+}
+
+/// Where and how a request is run.
+#[derive(Debug, Clone)]
+pub struct LocalRun<'a> {
+    /// Folder the outputs are written to; made when absent.
+    pub out: &'a Path,
+    /// Folder that keeps the results of stages for the next run; `None`: nothing is kept.
+    pub keep: Option<&'a Path>,
+    /// Threads to compute on.
+    pub threads: usize,
+}
+
+impl FileRequest {
+    /// Reads a request.
+    ///
+    /// # Errors
+    /// When the file cannot be read or is not a request.
+    pub fn open(file: &Path) -> Result<Self, LocalError> {
+        let bytes = std::fs::read(file).map_err(|cause| LocalError::File { path: file.to_owned(), cause })?;
+        let not_json = |error| Problem::new(ErrorCode::BodyNotJson, format!("{}: {error}", file.display()));
+        let value = serde_json::from_slice(&bytes).map_err(not_json).map_err(refuse)?;
+        let check = InputCheck::new(&inputs_schema::<Execute>()).map_err(LocalError::Fault)?;
+        check.check(&value).map_err(|faults| refuse(invalid_problem(faults)))?;
+        let execute = read(value).map_err(|faults| refuse(invalid_problem(faults)))?;
+        Ok(Self { execute, folder: file.parent().unwrap_or(Path::new("")).to_owned() })
+    }
+
+    /// Runs the request and writes every output as `<output id>.<extension>`; returns the
+    /// warnings. Not for async threads; the store works on the runtime of `handle`.
+    ///
+    /// # Errors
+    /// When the request is at fault, the work fails, or a file cannot be written.
+    pub fn run(
+        &self,
+        process: &str,
+        place: &LocalRun<'_>,
+        live: &std::sync::Arc<Live>,
+        handle: Handle,
+    ) -> Result<Vec<Warning>, LocalError> {
+        let registry = Registry::standard().map_err(LocalError::Fault)?;
+        let unknown = || refuse(Problem::new(ErrorCode::NoSuchProcess, format!("There is no process {process:?}.")));
+        let entry = registry.find(process).ok_or_else(unknown)?;
+        make_folder(place.out)?;
+        let work = WorkFolder::make(place)?;
+        let store = Store::in_folder(&work.folder).map_err(JobsError::from)?;
+        let store = BlockingStore::new(store, handle);
+        let sources = FileSources { folder: self.folder.clone() };
+        let observer = std::sync::Arc::clone(live);
+        let run = Run::new(live.stop.clone(), move |progress| observer.report(progress));
+        let desk = Desk { store: &store, sources: &sources, run, threads: place.threads };
+        let begun = |job: &dyn Job| live.set_stages(job.stages());
+        let kept = perform(entry, &self.execute, desk, &begun).map_err(failed)?;
+        for (id, stored) in &kept.outputs {
+            write_output(&store, id, stored, place.out, &live.stop)?;
+        }
+        Ok(kept.warnings)
+    }
+}
+
+fn refuse(problem: Problem) -> LocalError {
+    LocalError::Problem(Box::new(problem))
+}
+
+fn failed(failure: Failure) -> LocalError {
+    match failure {
+        Failure::Stopped => LocalError::Stopped,
+        Failure::Fault(text) => LocalError::Fault(text),
+        other => problem(other).map_or(LocalError::Stopped, refuse),
+    }
+}
+
+/// Writes an output in every form that carries its contents.
+fn write_output(
+    store: &BlockingStore,
+    id: &str,
+    stored: &Stored,
+    out: &Path,
+    stop: &StopFlag,
+) -> Result<(), LocalError> {
+    let artefact = load(store, stored)?;
+    for form in stored.kind.file_forms() {
+        if stop.is_stopped() {
+            return Err(LocalError::Stopped);
+        }
+        if let (Artefact::Tables(tables), "csv") = (&artefact, form.name.as_str()) {
+            for (name, table) in tables {
+                write(&out.join(format!("{id}.{name}.csv")), table.csv().as_bytes())?;
+            }
+            continue;
+        }
+        let encoded = artefact.encode(&form.name).map_err(JobsError::from)?;
+        let name = if id.ends_with(&format!(".{}", form.name)) { id.to_owned() } else { format!("{id}.{}", form.name) };
+        write(&out.join(name), &encoded.bytes)?;
+    }
+    Ok(())
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), LocalError> {
+    std::fs::write(path, bytes).map_err(|cause| LocalError::File { path: path.to_owned(), cause })
+}
+
+fn make_folder(path: &Path) -> Result<(), LocalError> {
+    std::fs::create_dir_all(path).map_err(|cause| LocalError::File { path: path.to_owned(), cause })
+}
+
+/// Where a run keeps what it works with; gone after it, unless it is to be kept.
+struct WorkFolder {
+    folder: PathBuf,
+    passing: bool,
+}
+
+impl WorkFolder {
+    fn make(place: &LocalRun<'_>) -> Result<Self, LocalError> {
+        let passing = place.out.join(format!(".biotope-{}", std::process::id()));
+        let folder = place.keep.map_or(passing, Path::to_owned);
+        make_folder(&folder)?;
+        Ok(Self { folder, passing: place.keep.is_none() })
+    }
+}
+
+impl Drop for WorkFolder {
+    fn drop(&mut self) {
+        if self.passing {
+            let _nothing_else_to_do = std::fs::remove_dir_all(&self.folder);
+        }
+    }
+}
+
+/// Files beside the request, and data by value.
+struct FileSources {
+    folder: PathBuf,
+}
+
+impl Sources for FileSources {
+    fn open(&self, reference: &Reference) -> Result<Source, SourceError> {
+        let link = match reference {
+            Reference::Inline(value) => return inline(value),
+            Reference::Link(link) if link.href.starts_with("data:") => return data_address(&link.href),
+            Reference::Link(link) => link,
+        };
+        if link.href.contains("://") {
+            return Err(SourceError::new(ErrorCode::HrefNotAllowed, "a file or a data: address", link.href.as_str()));
+        }
+        let path = self.folder.join(&link.href);
+        let missing = |cause| {
+            SourceError::new(ErrorCode::HrefNotFound, "a file that can be read", format!("{}: {cause}", link.href))
+        };
+        let bytes = std::fs::read(path).map_err(missing)?;
+        let media_type = link.media_type.clone().unwrap_or_else(|| media_type_of(&link.href).to_owned());
+        Ok(Source::encoded(media_type, Bytes::from(bytes)))
+    }
+}
+
+/// The media type of a file, by its name.
+pub fn media_type_of(name: &str) -> &'static str {
+    match name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase().as_str() {
+        "tif" | "tiff" => "image/tiff",
+        "png" => "image/png",
+        "jpg" | "jpeg" => "image/jpeg",
+        "json" => "application/json",
+        "geojson" => "application/geo+json",
+        "csv" => "text/csv",
+        "asc" | "txt" => "text/plain",
+        _ => "application/octet-stream",
+    }
+}
