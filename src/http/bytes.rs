@@ -52,9 +52,10 @@ pub fn serve(jobs: &Jobs, headers: &HeaderMap, delivery: Delivery, head: &FileHe
         Wanted::Nothing => {
             let whole = HeaderValue::from_str(&format!("bytes */{size}"));
             let error = ApiError::new(ErrorCode::RangeNotSatisfiable, format!("The file has {size} bytes."));
-            return Err(
-                whole.map_or(error.problem.clone().into(), |whole| error.with_header(header::CONTENT_RANGE, whole))
-            );
+            return Err(match whole {
+                Ok(whole) => error.with_header(header::CONTENT_RANGE, whole),
+                Err(_) => error,
+            });
         }
     };
     insert(answer.headers_mut(), header::CONTENT_LENGTH, &(range.end - range.start).to_string())?;

@@ -20,7 +20,7 @@ const QUEUE_RETRY_S: &str = "5";
 #[derive(Debug)]
 pub struct ApiError {
     /// What the client reads.
-    pub problem: Problem,
+    pub problem: Box<Problem>,
     headers: HeaderMap,
 }
 
@@ -55,7 +55,7 @@ impl ApiError {
 
 impl From<Problem> for ApiError {
     fn from(problem: Problem) -> Self {
-        Self { problem, headers: HeaderMap::new() }
+        Self { problem: Box::new(problem), headers: HeaderMap::new() }
     }
 }
 
@@ -71,9 +71,9 @@ impl From<Refused> for ApiError {
         match refused {
             Refused::Fault(error) => error.into(),
             Refused::Problem(problem) if problem.status == StatusCode::SERVICE_UNAVAILABLE.as_u16() => {
-                Self::from(problem).with_header(header::RETRY_AFTER, HeaderValue::from_static(QUEUE_RETRY_S))
+                Self::from(*problem).with_header(header::RETRY_AFTER, HeaderValue::from_static(QUEUE_RETRY_S))
             }
-            Refused::Problem(problem) => problem.into(),
+            Refused::Problem(problem) => (*problem).into(),
         }
     }
 }
@@ -84,7 +84,7 @@ impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         let status = StatusCode::from_u16(self.problem.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
         let mut response = (status, self.headers).into_response();
-        response.extensions_mut().insert(self.problem);
+        response.extensions_mut().insert(*self.problem);
         response
     }
 }

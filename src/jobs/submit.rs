@@ -39,7 +39,7 @@ pub struct Submitted {
 pub enum Refused {
     /// The request is at fault, or the queue is full.
     #[error("{}", .0.detail)]
-    Problem(Problem),
+    Problem(Box<Problem>),
     /// The service is at fault.
     #[error(transparent)]
     Fault(#[from] JobsError),
@@ -86,7 +86,7 @@ impl Jobs {
             inner.desk.install(|| accept(entry, &task.execute, &sources)).map(|Accepted { job, .. }| job.estimate())
         })
         .await?
-        .map_err(|invalid: Invalid| Refused::Problem(invalid_problem(invalid)))
+        .map_err(|invalid: Invalid| Refused::Problem(Box::new(invalid_problem(invalid))))
     }
 
     fn fits(&self, estimate: Estimate) -> Result<(), Refused> {
@@ -99,7 +99,7 @@ impl Jobs {
         let faults = Invalid::new("/inputs", code, format!("at most {}", mebibytes(allowed)), mebibytes(needed));
         let detail =
             format!("The work needs about {}, this service may use {}.", mebibytes(needed), mebibytes(allowed));
-        Err(Refused::Problem(Problem { errors: faults.errors, ..Problem::new(code, detail) }))
+        Err(Refused::Problem(Box::new(Problem { errors: faults.errors, ..Problem::new(code, detail) })))
     }
 
     /// Runs synchronous work of the service itself, off the async threads, at one of few desks.
@@ -144,5 +144,5 @@ impl Jobs {
 }
 
 fn refuse(code: ErrorCode, detail: impl Into<String>) -> Refused {
-    Refused::Problem(Problem::new(code, detail))
+    Refused::Problem(Box::new(Problem::new(code, detail)))
 }
