@@ -26,9 +26,9 @@ pub struct GorgeRule {
 }
 
 impl Default for GorgeRule {
-    /// Cells of 10 m, barriers of 12 cells (ours).
+    /// Cells of 10 m, barriers of 20 cells (ours).
     fn default() -> Self {
-        Self { min_cell_m: 10.0, max_length_cells: 12.0 }
+        Self { min_cell_m: 10.0, max_length_cells: 20.0 }
     }
 }
 
