@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn only_cells_of_the_last_key_pop_as_equal() {
         let mut queue = BucketQueue::new(0.0, 9.0, 4);
-        [(2.0, 7), (2.0, 5), (2.5, 1)].map(|(key, cell)| queue.push(key, cell));
+        [(2.0, 7), (2.0, 5), (2.5, 1)].into_iter().for_each(|(key, cell)| queue.push(key, cell));
         assert_eq!(queue.pop(), Some((2.0, 5)));
         assert_eq!([queue.pop_equal(2.0), queue.pop_equal(2.0)], [Some(7), None]);
     }

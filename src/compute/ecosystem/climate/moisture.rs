@@ -72,7 +72,11 @@ pub fn moisture(
         let damp = libm::exp(-f64::from(water.above_water_m.data[cell]) / rules.damp_height_m);
         dry + damp * (SATURATED - wettest - dry)
     };
-    let value = |cell: usize| if water.is_open(cell) { UNDER_WATER - driest } else { ground(cell) };
+    let value = |cell: usize| match terrain.height.data[cell].is_nan() {
+        true => f64::NAN,
+        false if water.is_open(cell) => UNDER_WATER - driest,
+        false => ground(cell),
+    };
     let data = (0..terrain.grid().len()).into_par_iter().map(|cell| value(cell) as f32).collect();
     MonthlyMap::Shifted { base: Raster { grid: terrain.grid(), data }, offset: offset.map(|o| o as f32) }
 }

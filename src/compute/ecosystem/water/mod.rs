@@ -15,6 +15,7 @@ mod shore;
 mod streams;
 
 pub use flood::Flooded;
+pub use flood::OUTLET;
 pub use flood::flood;
 pub use flow::Flow;
 pub use gorges::GorgeRule;
