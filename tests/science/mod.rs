@@ -1,13 +1,13 @@
 //! What must be true: closed forms, invariants, conserved sums, outside checks.
 
-pub mod worlds;
-
 mod distributions_analysis;
 mod flora;
 mod flora_study;
 mod herds_drawn;
 mod herds_extraction;
 mod herds_photo;
+mod planning;
 mod resources;
 mod tautavel;
 mod trails;
+pub mod worlds;

@@ -64,12 +64,14 @@ pub fn presence(rag: &Rag, territory: &Territory, species: &AnimalSpecies, drink
 /// an animal leaving v goes to the i-th node next; 0 for v itself. Sums to 1, or is 0 everywhere
 /// when nothing can be reached (a territory of one node has no edges).
 pub fn onward(territory: &Territory, presence: &[f64], from: usize) -> Vec<f64> {
-    let pull = |to: usize| {
-        let seconds = territory.time_s(from, to);
-        if to == from || !seconds.is_finite() { 0.0 } else { presence[to] / seconds.max(NEAR_S) }
-    };
-    let pulls: Vec<f64> = (0..presence.len()).map(pull).collect();
+    let pull_of = |to: usize| if to == from { 0.0 } else { pull(presence[to], territory.time_s(from, to)) };
+    let pulls: Vec<f64> = (0..presence.len()).map(pull_of).collect();
     normalised(&pulls).unwrap_or(pulls)
+}
+
+/// The numerator of equation 2: how much a node with this presence, this many seconds away, draws.
+pub(crate) fn pull(presence: f64, seconds: f64) -> f64 {
+    if seconds.is_finite() { presence / seconds.max(NEAR_S) } else { 0.0 }
 }
 
 /// preference × q(r, v); 0 where the species eats nothing.

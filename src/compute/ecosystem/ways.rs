@@ -21,6 +21,13 @@ pub trait Ways: Sync {
     /// Asked source by source, so that one search can serve all targets.
     fn ways(&self, species: usize, from: usize, to: &[usize], run: &Run) -> Result<Vec<Option<Way>>, Stopped>;
 
+    /// Travel time from `from` to each of `to`, seconds; infinite where there is no way. For when
+    /// the course of the ways is not wanted.
+    fn times_s(&self, species: usize, from: usize, to: &[usize], run: &Run) -> Result<Vec<f64>, Stopped> {
+        let ways = self.ways(species, from, to, run)?;
+        Ok(ways.into_iter().map(|way| way.map_or(f64::INFINITY, |way| way.seconds)).collect())
+    }
+
     /// Seconds from a cell to one of its eight neighbours; infinite where the step is too steep
     /// or either cell is closed to the species.
     fn step_s(&self, species: usize, from: usize, to: usize) -> f64;
