@@ -103,9 +103,8 @@ pub fn densest_cells(land: &Land, flora: &Flora) -> Densest {
 
 fn weighted_mean(weights: &Raster<f32>, value: &dyn Fn(usize) -> f64) -> f64 {
     let cells = weights.data.iter().enumerate().filter(|(_, w)| **w > 0.0);
-    let (sum, weight) = cells.fold((0.0, 0.0), |(s, n), (cell, w)| {
-        (s + f64::from(*w) * value(cell), n + f64::from(*w))
-    });
+    let (sum, weight) =
+        cells.fold((0.0, 0.0), |(s, n), (cell, w)| (s + f64::from(*w) * value(cell), n + f64::from(*w)));
     sum / weight
 }
 

@@ -35,5 +35,6 @@ pub mod species;
 pub mod terrain;
 pub mod trails;
 pub mod travel;
+pub mod valley;
 pub mod water;
 pub mod ways;
