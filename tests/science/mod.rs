@@ -9,5 +9,6 @@ mod herds_photo;
 mod planning;
 mod resources;
 mod tautavel;
+mod terrain_files;
 mod trails;
 pub mod worlds;
