@@ -3,6 +3,7 @@
 mod distributions_analysis;
 mod flora;
 mod flora_study;
+mod herds_animation;
 mod herds_drawn;
 mod herds_extraction;
 mod herds_photo;

@@ -3,5 +3,15 @@
 //! | stage | from | to |
 //! |---|---|---|
 //! | [`extraction`] | a photo and a few scribbles | an ellipse per animal |
+//! | [`animation`] | key-herds along a path | a track per animal |
+//!
+//! [`Obstacles`] and their [`Clearance`], and how deep two animals overlap ([`contact`]), serve
+//! the stages on the ground.
 
+pub mod animation;
+pub mod contact;
 pub mod extraction;
+mod obstacles;
+
+pub use obstacles::Clearance;
+pub use obstacles::Obstacles;

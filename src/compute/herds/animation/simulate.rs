@@ -1,0 +1,388 @@
+//! The herd-frame-guided simulation (T 4.3.2).
+
+use super::AnimationError;
+use super::AnimationOptions;
+use super::Trajectory;
+use super::guides::Guides;
+use super::guides::HerdFrame;
+use super::guides::Progress;
+use super::motion::Gait;
+use super::motion::Mover;
+use super::motion::Wish;
+use super::report;
+use super::report::Arrival;
+use super::report::Hindrance;
+use super::report::Report;
+use super::steering::Company;
+use super::terrain::Ground;
+use super::tracks::Plan;
+use super::tracks::Pose;
+use super::tracks::Tracks;
+use super::traffic;
+use crate::compute::geometry::CellGrid;
+use crate::compute::geometry::Point;
+use crate::compute::herds::contact::Footprint;
+use crate::compute::run::Run;
+use rayon::prelude::*;
+use std::cmp::Ordering;
+
+/// The guides never need more than this share of V_max, so that stragglers can catch up (ours).
+const CRUISE: f64 = 0.9;
+
+/// An animal this many body lengths from its guide is a straggler, and twice as many stop the
+/// herd frame (ours).
+const STRAGGLER_BODY_LENGTHS: f64 = 2.0;
+
+/// Seconds for which the herd waits for the same straggler before it goes on without it (ours).
+const PATIENCE_S: f64 = 20.0;
+
+/// Overlap allowed everywhere, as a share of a body's width.
+const OVERLAP: f64 = 0.1;
+
+/// Animals handled together by a thread.
+const CHUNK: usize = 64;
+
+/// A herd on the move.
+pub struct Simulation<'a> {
+    ground: &'a Ground<'a>,
+    trajectory: &'a Trajectory,
+    guides: &'a Guides<'a>,
+    options: &'a AnimationOptions,
+    movers: Vec<Mover>,
+    hindered: Vec<Hindrance>,
+    /// Seconds for which each animal has been a straggler.
+    straggling: Vec<f64>,
+    progress: Progress,
+    /// Speed of the herd frame as a share of the fastest that guides allow.
+    pace: f64,
+    waited_s: f64,
+    longest: f64,
+}
+
+/// All that animals look at in a step; the same for all.
+struct Scene {
+    interval: usize,
+    places: Vec<Point>,
+    velocities: Vec<Point>,
+    guides: Vec<Point>,
+    guide_velocities: Vec<Point>,
+    prints: Vec<Footprint>,
+    grid: CellGrid,
+    frame: HerdFrame,
+    /// Whether the formation ahead is nearer than the one behind, and how much it counts.
+    key: (bool, f64),
+    step_s: f64,
+}
+
+/// What an animal makes of a step before it looks at the others' steps.
+struct Move {
+    to: Mover,
+    limited: bool,
+    slowed: bool,
+    blocked: bool,
+}
+
+impl<'a> Simulation<'a> {
+    /// A herd standing at its first key-frame.
+    pub(super) fn new(
+        ground: &'a Ground<'a>,
+        trajectory: &'a Trajectory,
+        guides: &'a Guides<'a>,
+        options: &'a AnimationOptions,
+    ) -> Self {
+        let progress = Progress { interval: 0, share: 0.0 };
+        let frame = guides.frame_at(progress);
+        let movers = (0..guides.len()).map(|i| {
+            Mover::standing(guides.place(frame, progress, i), guides.key_heading(frame, 0, (i, false)).angle())
+        });
+        Self {
+            ground,
+            trajectory,
+            guides,
+            options,
+            movers: movers.collect(),
+            hindered: vec![Hindrance::default(); guides.len()],
+            straggling: vec![0.0; guides.len()],
+            progress,
+            pace: 0.0,
+            waited_s: 0.0,
+            longest: guides.bodies.iter().map(|b| b.0).fold(0.0, f64::max),
+        }
+    }
+
+    /// Walks the whole plan.
+    pub(super) fn walk(&mut self, plan: &Plan, run: &Run) -> Result<(Tracks, Report), AnimationError> {
+        let n = self.guides.len();
+        let mut tracks =
+            Tracks { times_s: vec![plan.start_s], animals: n, poses: Vec::with_capacity(n * plan.kept.min(1 << 20)) };
+        tracks.poses.extend(self.poses());
+        let mut report = Report { path_m: self.trajectory.length(), ..Report::default() };
+        let total: usize = plan.intervals.iter().map(|(steps, _)| steps).sum();
+        let (mut done, mut start_s) = (0, plan.start_s);
+        for (interval, &(steps, step_s)) in plan.intervals.iter().enumerate() {
+            self.hindered.fill(Hindrance::default());
+            for step in 1..=steps {
+                let left_s = (steps - step + 1) as f64 * step_s;
+                self.step(interval, left_s, step_s);
+                done += 1;
+                if done % 16 == 0 {
+                    run.progress("animation.steps", done as u64, total as u64)?;
+                }
+                if done % plan.keep_every == 0 || step == steps {
+                    tracks.times_s.push(start_s + step as f64 * step_s);
+                    tracks.poses.extend(self.poses());
+                }
+            }
+            let given_s = steps as f64 * step_s;
+            start_s += given_s;
+            report.arrivals.push(self.arrival(interval, start_s, given_s));
+        }
+        run.progress("animation.steps", total as u64, total as u64)?;
+        report.waited_s = self.waited_s;
+        Ok((tracks, report))
+    }
+
+    fn poses(&self) -> Vec<Pose> {
+        let pose = |m: &Mover| Pose { place: m.place, z: self.ground.height(m.place), heading: m.heading };
+        self.movers.par_iter().with_min_len(CHUNK).map(pose).collect()
+    }
+
+    /// One step of `step_s`, with `left_s` until the key-frame that ends `interval`.
+    fn step(&mut self, interval: usize, left_s: f64, step_s: f64) {
+        // 1. The herd frame moves on, unless stragglers hold it.
+        let before = self.progress;
+        self.advance_frame(interval, left_s, step_s);
+        // 2. Everybody chooses a step from what all were doing a moment ago.
+        let scene = self.scene(before, step_s);
+        let moves: Vec<Move> =
+            (0..self.movers.len()).into_par_iter().with_min_len(CHUNK).map(|i| self.choose(i, &scene)).collect();
+        // 3. Where two would collide, one stays.
+        let new: Vec<Footprint> =
+            moves.iter().zip(&self.guides.bodies).map(|(m, body)| traffic::footprint(&m.to, *body)).collect();
+        let widest = self.guides.bodies.iter().map(|b| b.1).fold(f64::INFINITY, f64::min);
+        let allowed = (2.0 * OVERLAP * widest).max(self.guides.depth_held(scene.interval));
+        let reach = 2.0 * (self.longest + self.options.gait.max_speed_m_per_s * step_s);
+        let goes = traffic::settle(&scene.prints, &new, (&scene.grid, reach), allowed);
+        // 4. The rest moves.
+        for (i, (chosen, goes)) in moves.into_iter().zip(goes).enumerate() {
+            let h = &mut self.hindered[i];
+            h.distance += u32::from(chosen.limited);
+            h.slope += u32::from(chosen.slowed);
+            h.obstacle += u32::from(chosen.blocked);
+            h.crowding += u32::from(!goes);
+            self.movers[i] = if goes { chosen.to } else { self.movers[i].held() };
+        }
+    }
+
+    /// Moves the herd frame so that it is at the next key-frame in time, no faster than guides
+    /// can be followed, and slower or not at all while stragglers are behind (T 4.3.2).
+    fn advance_frame(&mut self, interval: usize, left_s: f64, step_s: f64) {
+        let wait = self.waiting(step_s);
+        self.waited_s += if wait < 1.0 { step_s } else { 0.0 };
+        let left_s = match self.progress.interval.cmp(&interval) {
+            Ordering::Less => step_s,
+            Ordering::Equal => left_s,
+            Ordering::Greater => return,
+        };
+        let (rest, top) = (1.0 - self.progress.share, self.top_rate());
+        let last = self.progress.interval + 1 == self.guides.intervals();
+        // At the end of the path the frame brakes and the herd settles: it leaves that much earlier.
+        let spare_s = if last { BRAKE_S * (0.5 * self.pace + 1.0) } else { 0.0 };
+        let wanted = rest / (left_s - spare_s).max(step_s);
+        let braking = if last { (2.0 * rest * top / BRAKE_S).sqrt() } else { f64::INFINITY };
+        let rate = (wanted * wait).min((self.pace + step_s / BRAKE_S) * top).min(braking).min(top);
+        self.pace = if top > 0.0 { rate / top } else { 0.0 };
+        self.progress.share += rate * step_s;
+        if 1.0 - self.progress.share < 1e-6 {
+            self.progress.share = 1.0;
+            if !last {
+                self.progress = Progress { interval: self.progress.interval + 1, share: 0.0 };
+            }
+        }
+    }
+
+    /// How freely the herd frame may go: 1 while all are near their guides, 0 when one that is
+    /// waited for is two straggler's distances behind.
+    fn waiting(&mut self, step_s: f64) -> f64 {
+        let frame = self.guides.frame_at(self.progress);
+        let far = STRAGGLER_BODY_LENGTHS * 2.0 * self.longest;
+        let mut worst = 0f64;
+        for (i, mover) in self.movers.iter().enumerate() {
+            let lag = mover.place.distance(self.guides.place(frame, self.progress, i)) / far;
+            self.straggling[i] = if lag > 1.0 { self.straggling[i] + step_s } else { 0.0 };
+            if self.straggling[i] < PATIENCE_S {
+                worst = worst.max(lag);
+            }
+        }
+        (2.0 - worst).clamp(0.0, 1.0)
+    }
+
+    /// The most shares of the interval a second at which every guide can be followed.
+    fn top_rate(&self) -> f64 {
+        const PROBE: f64 = 1e-3;
+        let Progress { interval, share } = self.progress;
+        let from = Progress { interval, share: share.min(1.0 - PROBE) };
+        let to = Progress { interval, share: from.share + PROBE };
+        let (frame, ahead) = (self.guides.frame_at(from), self.guides.frame_at(to));
+        let seconds = |i: usize| {
+            let (p, q) = (self.guides.place(frame, from, i), self.guides.place(ahead, to, i));
+            self.seconds_between(p, q)
+        };
+        let slowest = (0..self.guides.len()).into_par_iter().with_min_len(CHUNK).map(seconds).max_by(f64::total_cmp);
+        // No guide moves: any rate will do.
+        CRUISE * PROBE / slowest.unwrap_or(0.0).max(1e-6 * PROBE)
+    }
+
+    /// Seconds from `p` to `q` at V_max on the slope between them.
+    fn seconds_between(&self, p: Point, q: Point) -> f64 {
+        let Some(along) = (q - p).normalised() else { return 0.0 };
+        let factor = Gait::slope_factor(self.ground.slope(p, along));
+        p.distance(q) / (factor * self.options.gait.max_speed_m_per_s)
+    }
+
+    fn scene(&self, before: Progress, step_s: f64) -> Scene {
+        let now = self.progress;
+        let (old, frame) = (self.guides.frame_at(before), self.guides.frame_at(now));
+        let guides: Vec<Point> = (0..self.guides.len()).map(|i| self.guides.place(frame, now, i)).collect();
+        let velocity = |(i, g): (usize, &Point)| (*g - self.guides.place(old, before, i)) * (1.0 / step_s);
+        let places: Vec<Point> = self.movers.iter().map(|m| m.place).collect();
+        Scene {
+            interval: now.interval,
+            guide_velocities: guides.iter().enumerate().map(velocity).collect(),
+            guides,
+            velocities: self.movers.iter().map(Mover::velocity).collect(),
+            prints: self.movers.iter().zip(&self.guides.bodies).map(|(m, b)| traffic::footprint(m, *b)).collect(),
+            grid: CellGrid::new(&places, self.neighbourhood() / 2.0),
+            places,
+            frame,
+            key: self.guides.key_weight(now, self.options.gait.blend_body_lengths * 2.0 * self.longest),
+            step_s,
+        }
+    }
+
+    fn neighbourhood(&self) -> f64 {
+        self.options.steering.neighbourhood_body_lengths * 2.0 * self.longest
+    }
+
+    /// The step that animal `i` would make if it were alone on the road.
+    fn choose(&self, i: usize, scene: &Scene) -> Move {
+        let (mover, body, gait) = (&self.movers[i], self.guides.bodies[i], &self.options.gait);
+        let (target, in_view) = self.target(i, scene);
+        let off = target - mover.place;
+        let course = off.normalised().unwrap_or_else(|| Point::from_angle(mover.course));
+        let factor = Gait::slope_factor(self.ground.slope(mover.place, course));
+        let limit = factor * gait.max_speed_m_per_s;
+        // Guide, then neighbours, then obstacles.
+        let steering = &self.options.steering;
+        let wanted =
+            if in_view { steering.follow(mover.place, target, scene.guide_velocities[i]) } else { course * limit };
+        let lost = (scene.guides[i].distance(mover.place) / (4.0 * body.0)).min(1.0);
+        let social = self.company(i, scene).forces(steering, mover, (limit, lost));
+        let avoidance = steering.avoid(mover, self.ground, (body.1, limit));
+        let sum = wanted + social + avoidance;
+        let at_rest = is_at_rest(mover, off, scene.guide_velocities[i].norm(), (body.0, gait.max_speed_m_per_s));
+        let velocity = if at_rest { Point::default() } else { sum * (limit / sum.norm().max(limit)) };
+        let (ahead, key_weight) = scene.key;
+        let key_heading = self.guides.key_heading(scene.frame, scene.interval, (i, ahead)).angle();
+        let wish = Wish { velocity, key_heading, key_weight, limit };
+        let (to, free) = self.admitted(mover, mover.stepped(wish, gait, scene.step_s), (body.1, scene.step_s));
+        Move {
+            to,
+            limited: wanted.norm() > limit && factor > 0.9,
+            slowed: wanted.norm() > limit && factor <= 0.9,
+            blocked: !free || !in_view,
+        }
+    }
+
+    /// Where animal `i` heads for: its guide, or, when an obstacle hides that, the farthest place
+    /// on the herd's path that it can see; and whether it is the guide.
+    fn target(&self, i: usize, scene: &Scene) -> (Point, bool) {
+        let (place, clearance, half) = (self.movers[i].place, self.ground.clearance(), self.guides.bodies[i].1);
+        if clearance.is_open() {
+            return (scene.guides[i], true);
+        }
+        // A guide inside an obstacle stands beside it.
+        let mut guide = scene.guides[i];
+        for _ in 0..8 {
+            let lack = 1.1 * half - clearance.at(guide);
+            match clearance.away(guide) {
+                Some(away) if lack > 0.0 => guide = guide + away * (lack + 0.1 * half),
+                _ => break,
+            }
+        }
+        let room = 0.9 * clearance.at(place).min(half);
+        let sees = |q: Point| clearance.sees(place, q, room.min(0.9 * clearance.at(q)).max(0.0));
+        if place.distance(guide) < 2.0 * half || sees(guide) {
+            return (guide, true);
+        }
+        (self.guides.rejoin(place, self.progress, sees).unwrap_or(guide), false)
+    }
+
+    fn company(&self, i: usize, scene: &Scene) -> Company {
+        let (own, reach) = (scene.places[i], self.neighbourhood());
+        let mut company = Company::default();
+        scene.grid.for_each_near(own, reach, |j| {
+            if j != i && scene.places[j].distance_sq(own) <= reach * reach {
+                let apart = scene.guides[i].distance(scene.guides[j]);
+                company.meet(&scene.prints[i], (&scene.prints[j], scene.velocities[j]), apart);
+            }
+        });
+        company
+    }
+
+    /// The step as far as the ground admits it: whole, half, a quarter, or only the turn; and
+    /// whether it was whole.
+    fn admitted(&self, from: &Mover, to: Mover, (half_width, step_s): (f64, f64)) -> (Mover, bool) {
+        for share in [1.0, 0.5, 0.25] {
+            let speed = to.speed * share;
+            let place = from.place + Point::from_angle(to.course) * (speed * step_s);
+            if speed == 0.0 || self.ground.admits(place, from.place, half_width) {
+                return (Mover { place, speed, ..to }, share == 1.0);
+            }
+        }
+        (Mover { place: from.place, speed: 0.0, course: to.heading, ..to }, false)
+    }
+
+    /// How the key-frame at the end of `interval` was met.
+    fn arrival(&self, interval: usize, time_s: f64, given_s: f64) -> Arrival {
+        let end = Progress { interval, share: 1.0 };
+        let frame = self.guides.frame_at(end);
+        let places: Vec<Point> = (0..self.guides.len()).map(|i| self.guides.place(frame, end, i)).collect();
+        let late = report::late(&self.poses(), &places, &self.guides.bodies, &self.hindered);
+        let needed = self.needed(interval);
+        Arrival {
+            key_frame: interval + 1,
+            time_s,
+            given_s,
+            needed_s: needed.iter().copied().fold(0.0, f64::max),
+            cannot_reach: needed.iter().filter(|s| **s > given_s).count(),
+            on_place: 1.0 - late.len() as f64 / self.guides.len() as f64,
+            late,
+        }
+    }
+
+    /// Seconds each animal needs for its guide's way through an interval at V_max.
+    fn needed(&self, interval: usize) -> Vec<f64> {
+        const SAMPLES: usize = 64;
+        let at = |k: usize| Progress { interval, share: k as f64 / SAMPLES as f64 };
+        let frames: Vec<HerdFrame> = (0..=SAMPLES).map(|k| self.guides.frame_at(at(k))).collect();
+        let seconds = |i: usize| {
+            let place = |k: usize| self.guides.place(frames[k], at(k), i);
+            (0..SAMPLES).map(|k| self.seconds_between(place(k), place(k + 1))).sum()
+        };
+        (0..self.guides.len()).into_par_iter().map(seconds).collect()
+    }
+}
+
+/// Seconds in which the herd frame reaches or leaves its full pace (ours).
+const BRAKE_S: f64 = 1.0;
+
+/// A guide slower than this share of V_max stands still (ours).
+const STILL: f64 = 0.05;
+
+/// Whether an animal stays where it is: its guide (at `off`) stands still, near by, and not in
+/// front, so that to get nearer it would have to turn round or go sideways.
+fn is_at_rest(mover: &Mover, off: Point, guide_speed: f64, (half_length, max_speed): (f64, f64)) -> bool {
+    let ahead = off.dot(Point::from_angle(mover.heading));
+    guide_speed < STILL * max_speed && off.norm() < 0.4 * half_length && ahead < 0.05 * half_length
+}
