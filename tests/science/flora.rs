@@ -76,7 +76,7 @@ fn hold_invariants(species: &[PlantSpecies], resources: &Resources, flora: &Flor
     for cell in 0..resources.soil.data.len() {
         let covers: Vec<f64> = (0..species.len()).map(|s| f64::from(flora.cover(s, cell))).collect();
         let year = |map: &MonthlyMap| (0..MONTHS).map(|m| f64::from(map.value(m, cell))).sum::<f64>() / MONTHS as f64;
-        let (capacity, open) = (year(&resources.moisture).max(0.0), year(&resources.sunlight));
+        let (capacity, open) = (year(&resources.moisture).max(0.0), growing_light(resources, cell));
         let stratum = |stratum: Stratum| -> f64 {
             covers.iter().zip(species).filter(|(_, p)| p.stratum == stratum).map(|(c, _)| c).sum()
         };
@@ -100,6 +100,19 @@ fn hold_invariants(species: &[PlantSpecies], resources: &Resources, flora: &Flor
     }
 }
 
+/// Mean light of the months of 5 °C and more, else of the warmest.
+fn growing_light(resources: &Resources, cell: usize) -> f64 {
+    let mean_c =
+        |m: usize| 0.5 * (resources.temperature_min_c.value(m, cell) + resources.temperature_max_c.value(m, cell));
+    let light = |m: usize| f64::from(resources.sunlight.value(m, cell));
+    let season: Vec<usize> = (0..MONTHS).filter(|m| mean_c(*m) >= 5.0).collect();
+    if season.is_empty() {
+        let warmest = (0..MONTHS).filter(|m| !mean_c(*m).is_nan()).max_by(|a, b| mean_c(*a).total_cmp(&mean_c(*b)));
+        return warmest.map_or(f64::NAN, light);
+    }
+    season.iter().map(|m| light(*m)).sum::<f64>() / season.len() as f64
+}
+
 fn agree(found: f32, expected: f64) {
     let found = f64::from(found);
     assert!(found.is_nan() && expected.is_nan() || (found - expected).abs() < 1e-3, "{found} {expected}");
@@ -113,11 +126,8 @@ fn nothing_fits(species: &[PlantSpecies], resources: &Resources, flora: &Flora, 
             let sum = |t: Stratum| -> f64 {
                 (0..species.len()).filter(|o| species[*o].stratum == t).map(|o| f64::from(flora.cover(o, cell))).sum()
             };
-            let open = (0..MONTHS).map(|m| f64::from(resources.sunlight.value(m, cell))).sum::<f64>() / MONTHS as f64;
-            let light = Stratum::ALL
-                .iter()
-                .filter(|t| **t < plant.stratum)
-                .fold(open, |light, t| light * (1.0 - 0.8 * sum(*t)));
+            let taller = Stratum::ALL.iter().filter(|t| **t < plant.stratum);
+            let light = taller.fold(growing_light(resources, cell), |light, t| light * (1.0 - 0.8 * sum(*t)));
             let unit = (plant.illumination.consumption / 9.0).min(1.0 - sum(plant.stratum));
             let watered = unit * plant.moisture.consumption <= f64::from(flora.left_moisture.data[cell]) - 1e-3;
             let lit = scale.clamped(light) >= plant.illumination.range.min + 1e-3;
@@ -246,7 +256,7 @@ proptest! {
     fn the_table_of_temperatures_gives_the_fitness_of_the_formula(seed: u64, minimum: bool) {
         let (species, resources) = random_world(seed, 40, 6);
         let months = if minimum { MonthRule::Minimum } else { MonthRule::Mean };
-        let options = FitnessOptions { months, ..FitnessOptions::default() };
+        let options = FitnessOptions { months, tree_line_c: None, ..FitnessOptions::default() };
         let fit = fitness(&Run::silent(), &species, &resources, &options).unwrap();
         for (s, plant) in species.iter().enumerate() {
             for cell in 0..40 {
@@ -481,6 +491,52 @@ fn a_world_where_nothing_grows_says_why_for_each_species() {
         let why = flora.totals[0].why_empty.unwrap();
         assert!(flora.totals[0].cells == 0 && is_right(why), "{why:?}");
     }
+}
+
+#[test]
+fn trees_end_where_the_warmest_month_falls_below_ten_degrees_and_shrubs_one_degree_later() {
+    let grid = Grid::new(60, 1, 10.0);
+    let mut world = plain(grid);
+    // The warmest month is 12 °C in the west and 0.1 °C cooler each cell.
+    let base = Raster { grid, data: (0..60).map(|i| -0.1 * i as f32).collect() };
+    let offset = |half: f32| std::array::from_fn(|m| if m == 6 { 12.0 } else { 4.0 } + half);
+    world.temperature_min_c = MonthlyMap::Shifted { base: base.clone(), offset: offset(-6.0) };
+    world.temperature_max_c = MonthlyMap::Shifted { base, offset: offset(6.0) };
+    let mut species = Stratum::ALL.map(|s| plant(&format!("{s:?}"), s));
+    species.iter_mut().for_each(|p| p.illumination.range = Interval::new(1.0, 9.0));
+    let fit = fitness(&Run::silent(), &species, &world, &FitnessOptions::default()).unwrap();
+    let last = |s: usize| (0..60).rev().find(|c| fit.value(s, *c) > 0.0).unwrap();
+    assert!((20..=21).contains(&last(0)) && (30..=31).contains(&last(1)) && last(2) == 59);
+    let none = FitnessOptions { tree_line_c: None, ..FitnessOptions::default() };
+    assert!(fitness(&Run::silent(), &species, &world, &none).unwrap().met.iter().all(|m| m.all == 60));
+}
+
+#[test]
+fn the_tree_line_lies_higher_on_sunny_slopes() {
+    let grid = Grid::new(3, 1, 10.0);
+    let mut world = plain(grid);
+    let cool = |t: f32| MonthlyMap::Shifted { base: Raster::filled(grid, t), offset: [0.0; MONTHS] };
+    (world.temperature_min_c, world.temperature_max_c) = (cool(4.9), cool(14.9));
+    let base = Raster { grid, data: vec![0.22, 0.25, 0.29] };
+    world.sunlight = MonthlyMap::Shifted { base, offset: [0.0; MONTHS] };
+    let fit = fitness(&Run::silent(), &[plant("fir", Stratum::Tree)], &world, &FitnessOptions::default()).unwrap();
+    assert_eq!([0, 1, 2].map(|cell| fit.value(0, cell) > 0.0), [false, false, true]);
+}
+
+#[test]
+fn light_counts_in_the_growing_season() {
+    let grid = Grid::new(2, 1, 10.0);
+    let mut world = plain(grid);
+    // Six warm months with full light and six cold dark ones; the second cell has no warm month.
+    let base = Raster { grid, data: vec![0.0, -12.0] };
+    let offset = |half: f32| std::array::from_fn(|m| if m < 6 { 15.0 + m as f32 } else { -5.0 } + half);
+    world.temperature_min_c = MonthlyMap::Shifted { base: base.clone(), offset: offset(-3.0) };
+    world.temperature_max_c = MonthlyMap::Shifted { base, offset: offset(3.0) };
+    world.sunlight =
+        MonthlyMap::Maps((0..MONTHS).map(|m| Raster::filled(grid, [0.2, 0.3, 0.01][(m / 5).min(2)])).collect());
+    let (flora, _) = solve(&[], &world, &FloraOptions::default());
+    assert!((flora.left_light.data[0] - (5.0 * 0.2 + 0.3) / 6.0).abs() < 1e-5);
+    assert!((flora.left_light.data[1] - (3.0 * 0.2 + 0.3) / 4.0).abs() < 1e-5);
 }
 
 #[test]

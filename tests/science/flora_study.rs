@@ -3,11 +3,6 @@
 use biotope::compute::ecosystem::biomes::DENSEST_SHARE;
 use biotope::compute::ecosystem::biomes::densest;
 use biotope::compute::ecosystem::climate::Climate;
-use biotope::compute::ecosystem::climate::MoistureRules;
-use biotope::compute::ecosystem::climate::SunlightRules;
-use biotope::compute::ecosystem::climate::moisture;
-use biotope::compute::ecosystem::climate::sunlight;
-use biotope::compute::ecosystem::climate::temperature;
 use biotope::compute::ecosystem::fitness::Fitness;
 use biotope::compute::ecosystem::fitness::FitnessOptions;
 use biotope::compute::ecosystem::fitness::Needs;
@@ -15,12 +10,10 @@ use biotope::compute::ecosystem::fitness::fitness;
 use biotope::compute::ecosystem::flora;
 use biotope::compute::ecosystem::flora::Flora;
 use biotope::compute::ecosystem::flora::FloraOptions;
+use biotope::compute::ecosystem::resources::GivenMaps;
 use biotope::compute::ecosystem::resources::MONTHS;
+use biotope::compute::ecosystem::resources::ResourceRules;
 use biotope::compute::ecosystem::resources::Resources;
-use biotope::compute::ecosystem::scales::Scales;
-use biotope::compute::ecosystem::soil::SoilRules;
-use biotope::compute::ecosystem::soil::soil;
-use biotope::compute::ecosystem::soil::texture;
 use biotope::compute::ecosystem::species::PlantSpecies;
 use biotope::compute::ecosystem::species::Stratum;
 use biotope::compute::ecosystem::terrain::Terrain;
@@ -42,17 +35,8 @@ impl Land {
         let run = Run::silent();
         let terrain = Terrain::new(height, &run).unwrap();
         let water = Water::derived(&terrain.height, &WaterRules::default(), &run).unwrap();
-        let air = temperature(&terrain.height, climate);
-        let rules = (MoistureRules::default(), Scales::default().moisture);
-        let kinds = soil(&terrain, &water, &SoilRules::default(), &run).unwrap();
-        let resources = Resources {
-            temperature_min_c: air.min_c,
-            temperature_max_c: air.max_c,
-            sunlight: sunlight(&terrain, climate, SunlightRules::default(), &run).unwrap(),
-            moisture: moisture(&terrain, &water, climate, rules),
-            texture: texture(&terrain, &kinds, &SoilRules::default()),
-            soil: kinds,
-        };
+        let own = (GivenMaps::default(), &ResourceRules::default());
+        let resources = Resources::assemble((&terrain, &water), climate, own, &run).unwrap();
         Self { terrain, water, resources }
     }
 

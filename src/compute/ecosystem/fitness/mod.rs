@@ -4,16 +4,19 @@
 //! For each resource, month by month, the part of the resource's variation that lies in the
 //! species' **fitness range**; over the months the mean (T) or the minimum (L); over the
 //! resources the minimum; times the viability of the soil type; 0 where the winter is colder
-//! than the species survives (ours). Temperature varies between the month's minimum and maximum;
+//! than the species survives and, for trees and shrubs, above their line (ours). Temperature varies between the month's minimum and maximum;
 //! light, moisture and texture are single values a month, so a month is in the range or not.
 //!
 //! Fitness is kept as one byte a cell. That is also what "equal fitness" means to the
 //! competition, which breaks ties by hash.
 
-mod temperature;
+pub(in crate::compute::ecosystem) mod temperature;
+mod tree_line;
 mod variation;
 pub(in crate::compute::ecosystem) mod window;
 
+pub use tree_line::SCRUB_BELT_C;
+pub use tree_line::TREE_LINE_C;
 pub use variation::MonthRule;
 pub use variation::share_in_range;
 
@@ -30,6 +33,7 @@ use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use std::ops::Range;
 use temperature::Temperatures;
+use tree_line::TreeLine;
 use window::Distinct;
 use window::Window;
 
@@ -42,7 +46,7 @@ pub const PERFECT: u8 = u8::MAX;
 pub struct Needs {
     /// Light, in the fitness and below a canopy.
     pub illumination: bool,
-    /// Temperature, with the survival bound.
+    /// Temperature, with the survival bound and the tree line.
     pub temperature: bool,
     /// Soil moisture, in the fitness and as the amount drawn.
     pub moisture: bool,
@@ -59,7 +63,7 @@ impl Default for Needs {
 }
 
 /// How fitness is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitnessOptions {
     /// How the months make a year. Default: their mean.
     pub months: MonthRule,
@@ -67,6 +71,20 @@ pub struct FitnessOptions {
     pub needs: Needs,
     /// From °C and light fraction to the scales of the species' ranges. Default: the authors'.
     pub scales: Scales,
+    /// Mean of the warmest month below which no tree grows, °C; shrubs bear [`SCRUB_BELT_C`]
+    /// less. Default: [`TREE_LINE_C`]; `None` for no such lines.
+    pub tree_line_c: Option<f64>,
+}
+
+impl Default for FitnessOptions {
+    fn default() -> Self {
+        Self {
+            months: MonthRule::default(),
+            needs: Needs::default(),
+            scales: Scales::default(),
+            tree_line_c: Some(TREE_LINE_C),
+        }
+    }
 }
 
 /// In how many cells each need of a species is met at all, and in how many all at once.
@@ -84,6 +102,8 @@ pub struct Met {
     pub soil: u64,
     /// Cells whose winter is survived.
     pub survival: u64,
+    /// Cells below the tree line, for shrubs below the scrub line; all cells for herbs.
+    pub tree_line: u64,
     /// Cells where the fitness is above 0.
     pub all: u64,
 }
@@ -96,6 +116,7 @@ impl Met {
         self.texture += other.texture;
         self.soil += other.soil;
         self.survival += other.survival;
+        self.tree_line += other.tree_line;
         self.all += other.all;
     }
 }
@@ -156,6 +177,7 @@ struct Kernel<'a> {
     moisture: Distinct<Window>,
     temperature: Temperatures<'a>,
     temperature_of: &'a [usize],
+    tree_line: TreeLine,
 }
 
 /// The rows of one slab, one a different range.
@@ -183,6 +205,7 @@ impl<'a> Kernel<'a> {
             moisture: Distinct::new(species.iter().map(|s| Window::plain(s.moisture.range))),
             temperature: Temperatures::new(resources, &ranges.items, options.months, &options.scales.temperature),
             temperature_of: &ranges.of,
+            tree_line: options.tree_line_c.map_or_else(TreeLine::none, |c| TreeLine::new(resources, c)),
         }
     }
 
@@ -212,6 +235,7 @@ impl<'a> Kernel<'a> {
                 texture: f32::from(u8::from(texture.holds(self.resources.texture.data[cell]))),
                 soil: viability(species, self.resources.soil.data[cell]),
                 survival: rows.coldest.get(i).is_none_or(|c| *c >= winter),
+                tree_line: self.tree_line.is_below(cell, species.stratum),
             };
             out[i] = level(share.fitness(self.needs));
             share.count(&mut met, out[i]);
@@ -244,12 +268,13 @@ struct Shares {
     texture: f32,
     soil: f32,
     survival: bool,
+    tree_line: bool,
 }
 
 impl Shares {
     fn fitness(&self, needs: Needs) -> f32 {
         let of = |counts: bool, share: f32| if counts { share } else { 1.0 };
-        let survives = self.survival || !needs.temperature;
+        let survives = self.survival && self.tree_line || !needs.temperature;
         let least = of(needs.illumination, self.illumination)
             .min(of(needs.temperature, self.temperature))
             .min(of(needs.moisture, self.moisture))
@@ -264,6 +289,7 @@ impl Shares {
         met.texture += u64::from(self.texture > 0.0);
         met.soil += u64::from(self.soil > 0.0);
         met.survival += u64::from(self.survival);
+        met.tree_line += u64::from(self.tree_line);
         met.all += u64::from(level > 0);
     }
 }

@@ -18,6 +18,11 @@ const STEPS_PER_DEGREE: f32 = 128.0;
 /// Entries beyond which no table is made (ours): 8,000 °C, which only broken maps span.
 const MOST_ENTRIES: usize = 1 << 20;
 
+/// Mean temperature of a cell in a month, °C: the middle of the daily minimum and maximum.
+pub(in crate::compute::ecosystem) fn mean_c(resources: &Resources, month: usize, cell: usize) -> f32 {
+    0.5 * (resources.temperature_min_c.value(month, cell) + resources.temperature_max_c.value(month, cell))
+}
+
 /// How the shares are found.
 pub(super) enum Temperatures<'a> {
     /// Both maps vary over the year alike everywhere: one table by the lower map's base.

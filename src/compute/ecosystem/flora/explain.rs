@@ -22,6 +22,8 @@ pub enum Absence {
     Temperature,
     /// Every winter is colder than it survives.
     Winter,
+    /// It is a tree or a shrub, and every summer is too cool for those.
+    TreeLine,
     /// No cell's moisture comes into its range in any month.
     Moisture,
     /// No cell's light comes into its range in any month.
@@ -38,7 +40,7 @@ pub enum Absence {
 /// the first that holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Crowded {
-    /// Cells whose light, mean of the year, is below its minimum even in the open.
+    /// Cells whose light, mean of the growing season, is below its minimum even in the open.
     pub dark: u64,
     /// Cells where taller strata keep the light below its minimum.
     pub shaded: u64,
@@ -89,6 +91,7 @@ fn unmet(met: Met) -> Absence {
         (met.texture, Absence::Texture),
         (met.temperature, Absence::Temperature),
         (met.survival, Absence::Winter),
+        (met.tree_line, Absence::TreeLine),
         (met.moisture, Absence::Moisture),
         (met.illumination, Absence::Illumination),
     ];

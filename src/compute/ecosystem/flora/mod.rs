@@ -7,7 +7,7 @@
 //! uses; covers add up to at most 1 within a **stratum** (tree, shrub, herb), and the last unit
 //! of a stratum is cut to what is left. Light is asymmetric: a stratum gets the cell's light
 //! times (1 - 0.8 cover) of each taller stratum, and a species needs that to be at least its
-//! minimum. A new taller unit evicts lower units that lose their minimum, and what they used
+//! minimum; light is the mean of the growing season. A new taller unit evicts lower units that lose their minimum, and what they used
 //! comes free. Moisture drawn (cover times use) stays within the capacity, the yearly mean on
 //! the scale.
 //!
@@ -121,7 +121,8 @@ pub const BATCH: f64 = 0.1;
 pub struct Flora {
     /// Cover of each species in whole numbers of 1/[`FULL_COVER`] of a cell.
     pub covers: Vec<Raster<u16>>,
-    /// The physical light fraction that reaches the ground: what herbs get, mean of the year.
+    /// The physical light fraction that reaches the ground, mean of the growing season: what herbs
+    /// get.
     pub left_light: Raster<f32>,
     /// Moisture not drawn, on the scale, mean of the year.
     pub left_moisture: Raster<f32>,

@@ -1,5 +1,11 @@
 //! What the cells offer before anything grows there.
+//!
+//! The text leaves open which light a cell has, month by month as it varies. We take the mean over
+//! the **growing season**, the months whose mean temperature is at least 5 °C (the threshold of
+//! the growing season length of the ETCCDI climate indices, P. Frich et al. 2002), for light
+//! that falls on frozen ground keeps nothing alive; where no month is so warm, the warmest one.
 
+use crate::compute::ecosystem::fitness::temperature::mean_c;
 use crate::compute::ecosystem::flora::rule;
 use crate::compute::ecosystem::flora::rule::FULL_COVER;
 use crate::compute::ecosystem::flora::stand::Site;
@@ -11,9 +17,12 @@ use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use rayon::prelude::*;
 
+/// Mean temperature from which plants grow, °C.
+const GROWTH_C: f32 = 5.0;
+
 /// The **capacity** of every cell for light and moisture, and the part of it kept bare.
 pub(super) struct Sites<'a> {
-    /// Physical light fraction, mean of the year.
+    /// Physical light fraction, mean of the growing season.
     pub light: Raster<f32>,
     /// Moisture on the scale, mean of the year.
     pub moisture: Raster<f32>,
@@ -22,7 +31,7 @@ pub(super) struct Sites<'a> {
 
 impl<'a> Sites<'a> {
     pub(super) fn new(run: &Run, resources: &Resources, bare: Option<&'a Raster<f32>>) -> Result<Self, Stopped> {
-        let light = yearly_mean(&resources.sunlight);
+        let light = growing_season_light(resources);
         run.check()?;
         let moisture = yearly_mean(&resources.moisture);
         run.check()?;
@@ -37,6 +46,25 @@ impl<'a> Sites<'a> {
         let bare = self.bare.map_or(0.0, |map| map.data[cell]);
         if bare.is_nan() { FULL_COVER } else { FULL_COVER - rule::cover(bare) }
     }
+}
+
+/// The mean light of the growing season of every cell; NaN where light or temperature has no data.
+fn growing_season_light(resources: &Resources) -> Raster<f32> {
+    let grid = resources.soil.grid;
+    let light = |cell: usize| {
+        let (mut sum, mut months, mut warmest) = (0.0, 0.0, (f32::NEG_INFINITY, f32::NAN));
+        for month in 0..MONTHS {
+            let (mean_c, light) = (mean_c(resources, month, cell), resources.sunlight.value(month, cell));
+            if mean_c >= GROWTH_C {
+                (sum, months) = (sum + light, months + 1.0);
+            }
+            if mean_c > warmest.0 {
+                warmest = (mean_c, light);
+            }
+        }
+        if months > 0.0 { sum / months } else { warmest.1 }
+    };
+    Raster { grid, data: (0..grid.len()).into_par_iter().map(light).collect() }
 }
 
 /// The mean of the twelve months of every cell.

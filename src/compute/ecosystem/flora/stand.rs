@@ -12,7 +12,7 @@ const SHADE: f32 = 0.8;
 /// What a cell offers before anything grows there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Site {
-    /// Physical light fraction, mean of the year.
+    /// Physical light fraction, mean of the growing season.
     pub light: f32,
     /// Moisture on the scale, mean of the year.
     pub moisture: f32,
