@@ -1,8 +1,6 @@
 //! Graphs and the problems solved on them: shortest paths over a grid, components, assignment.
 
 pub mod assignment;
-mod bucket_queue;
 pub mod components;
+mod dial_queue;
 pub mod shortest_paths;
-
-pub use bucket_queue::BucketQueue;

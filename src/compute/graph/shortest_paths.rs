@@ -1,7 +1,7 @@
 //! **Shortest paths** from one place to all others over a directed graph that lists its edges
 //! on demand (E. W. Dijkstra, 1959), with a bucket queue.
 
-use super::BucketQueue;
+use super::dial_queue::DialQueue;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 
@@ -73,7 +73,7 @@ impl Reached {
 pub fn shortest_paths(network: &impl Network, quest: Quest<'_>, run: &Run) -> Result<Reached, Stopped> {
     let mut found = Reached { cost: vec![f32::INFINITY; network.len()], mark: vec![START; network.len()] };
     let width = network.cheap_edge();
-    let mut queue = BucketQueue::new(width);
+    let mut queue = DialQueue::new(width);
     for &(node, cost) in quest.sources {
         if cost < found.cost[node] {
             found.cost[node] = cost;

@@ -5,8 +5,10 @@ pub mod compass;
 mod distance;
 mod grid;
 mod outline;
+mod tiling;
 
 pub use bucket_queue::BucketQueue;
 pub use distance::distance_to_zero;
 pub use grid::{Cell, Grid, Raster};
 pub use outline::outline;
+pub use tiling::Tiling;

@@ -1,6 +1,6 @@
 use super::field::Field;
 use crate::compute::ecosystem::regions::Regions;
-use crate::compute::raster::Grid;
+use crate::compute::raster::Tiling;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 
@@ -30,32 +30,16 @@ impl Atom {
 /// All atoms of a resource, by tile, then group.
 #[derive(Debug, Clone)]
 pub(super) struct Atoms {
-    pub(super) tiles: Tiles,
+    pub(super) tiles: Tiling,
     pub(super) atoms: Vec<Atom>,
     /// Index of the first atom of each tile, and the number of all at the end.
     pub(super) first: Vec<u32>,
 }
 
-/// Square tiles of 2^shift cells.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Tiles {
-    pub(super) shift: u32,
-    pub(super) columns: usize,
-    pub(super) rows: usize,
-}
-
-impl Tiles {
-    pub(super) fn new(grid: &Grid) -> Self {
-        let up = |n: usize, shift: u32| n.div_ceil(1 << shift);
-        let shift = (0..32).find(|s| up(grid.width, *s) * up(grid.height, *s) <= MOST_TILES).unwrap_or(32);
-        Self { shift, columns: up(grid.width, shift), rows: up(grid.height, shift) }
-    }
-}
-
 impl Atoms {
     pub(super) fn gather(field: &Field<'_>, regions: &Regions, run: &Run) -> Result<Self, Stopped> {
         let grid = regions.grid();
-        let tiles = Tiles::new(&grid);
+        let tiles = Tiling::of_at_most(&grid, MOST_TILES, 0);
         let mut buffer = vec![0.0; grid.width];
         let (mut atoms, mut first) = (Vec::new(), vec![0]);
         for band in 0..tiles.rows {

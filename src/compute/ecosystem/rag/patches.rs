@@ -56,11 +56,7 @@ fn components(atoms: &Atoms, group: &[usize]) -> Vec<Vec<usize>> {
 /// Atoms of the same group in the up to eight tiles around.
 fn touching<'a>(atoms: &'a Atoms, atom: &Atom) -> impl Iterator<Item = usize> + 'a {
     let (tiles, group) = (atoms.tiles, atom.group);
-    let (column, row) = (atom.tile as usize % tiles.columns, atom.tile as usize / tiles.columns);
-    let rows = row.saturating_sub(1)..(row + 2).min(tiles.rows);
-    let columns = column.saturating_sub(1)..(column + 2).min(tiles.columns);
-    rows.flat_map(move |r| columns.clone().map(move |c| r * tiles.columns + c))
-        .filter_map(move |tile| atoms.find(tile, group))
+    tiles.around(atom.tile as usize).filter_map(move |tile| atoms.find(tile, group))
 }
 
 fn area(atoms: &Atoms, part: &[usize]) -> u64 {
@@ -134,12 +130,12 @@ fn number(group: &[usize], mut pieces: Vec<Vec<usize>>) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compute::ecosystem::rag::atoms::Tiles;
+    use crate::compute::raster::Tiling;
 
     /// Atoms of 10 cells at the marked tiles, all of one group.
     fn drawing(rows: &[&str]) -> (Atoms, Vec<usize>) {
         let columns = rows[0].len();
-        let tiles = Tiles { shift: 2, columns, rows: rows.len() };
+        let tiles = Tiling { shift: 2, columns, rows: rows.len() };
         let (mut atoms, mut first) = (Vec::new(), vec![0]);
         for (i, mark) in rows.concat().bytes().enumerate() {
             if mark == b'#' {

@@ -55,6 +55,13 @@ impl Steps<'_> {
         self.region_of_part.get(self.regions.part.data[cell] as usize).copied().unwrap_or(NOWHERE)
     }
 
+    /// Whether the step between two cells that share a side is walked in both directions, as the
+    /// regions are connected.
+    pub(super) fn both_ways(&self, a: usize, b: usize) -> bool {
+        let slope = (self.height(a) - self.height(b)) / self.grid().cell_m as f32;
+        self.open(b) && (self.gait.both_ways(slope) || (self.opened.is_waypoint(a) && self.opened.is_waypoint(b)))
+    }
+
     /// Seconds of the move `which` of [`MOVES`] from `from` to `to`, which lies at its end, both
     /// open; infinite where it is closed.
     ///

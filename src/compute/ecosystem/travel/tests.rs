@@ -12,13 +12,21 @@ struct World {
     water: Raster<f32>,
     trees: Raster<f32>,
     passages: Passages,
+    options: TravelOptions,
 }
 
 impl World {
     fn new(grid: Grid, height: impl Fn(Point) -> f64) -> Self {
         let zero = Raster::filled(grid, 0.0);
         let height = Raster { grid, data: (0..grid.len()).map(|i| height(grid.centre(i)) as f32).collect() };
-        Self { height, slope: zero.clone(), water: zero.clone(), trees: zero, passages: Passages::default() }
+        Self {
+            height,
+            slope: zero.clone(),
+            water: zero.clone(),
+            trees: zero,
+            passages: Passages::default(),
+            options: TravelOptions::default(),
+        }
     }
 
     fn ask<T>(&self, species: &[AnimalSpecies], question: impl FnOnce(&Regions, &Travel<'_>) -> T) -> T {
@@ -26,7 +34,7 @@ impl World {
             Ground { height: &self.height, slope: &self.slope, water_depth: &self.water, tree_cover: &self.trees };
         let options = RegionOptions { min_area_m2: 0.0, min_cells: 1 };
         let regions = Regions::new(&ground, &self.passages, species, &options, &Run::silent()).unwrap();
-        let travel = Travel::new(ground, &self.passages, &regions, species);
+        let travel = Travel::new((ground, &self.passages), &regions, species, &self.options, &Run::silent()).unwrap();
         question(&regions, &travel)
     }
 }
@@ -93,4 +101,86 @@ fn the_banks_are_reached_through_the_ford_alone_and_islands_not_at_all() {
     world.ask(&[animal("deer", 1)], |_, travel| {
         assert!(way(travel, west, east).unwrap().cells.contains(&(ford as u32)));
     });
+}
+
+/// Hills, cliffs, a river with one ford of a cell, and scattered boulders.
+fn wild(side: usize) -> World {
+    let grid = Grid::new(side, side - 20, 10.0);
+    let hills = |p: Point| {
+        60.0 * libm::sin(p.x / 310.0) * libm::cos(p.y / 270.0)
+            + 25.0 * libm::sin(p.x / 95.0 + 1.0) * libm::sin(p.y / 120.0)
+    };
+    let mut world = World::new(grid, hills);
+    for i in 0..grid.len() {
+        let (p, cell) = (grid.centre(i), grid.cell(i));
+        let river = 5.0 * side as f64 + 300.0 * libm::sin(p.y / 400.0);
+        if (p.x - river).abs() < 25.0 {
+            world.water.data[i] = 2.0;
+        }
+        if (i * 2_654_435_761) % 1000 < 60 || (cell.row > side / 3 && cell.column == side / 4) {
+            world.slope.data[i] = 3.0;
+        }
+    }
+    let row = side / 5;
+    let river = 5.0 * side as f64 + 300.0 * libm::sin(grid.centre(grid.index(0, row)).y / 400.0);
+    let ford = Place { centre: Point::new(river, grid.centre(grid.index(0, row)).y), radius_m: 26.0 };
+    world.passages.fords.push(ford);
+    world
+}
+
+/// Relative errors of the times over rooms, and of the ways' seconds, against the search by cells.
+fn errors(side: usize, most_tiles: usize) -> (Vec<f64>, Vec<f64>) {
+    let mut world = wild(side);
+    world.options = TravelOptions { exact_cells: usize::MAX, most_tiles };
+    let grid = world.height.grid;
+    let species = [animal("deer", 1)];
+    let open: Vec<usize> = world.ask(&species, |regions, _| {
+        let largest = (0..regions.count(0)).max_by_key(|r| regions.region_cells[0][*r]);
+        (0..grid.len()).filter(|i| regions.region(0, *i) == largest).collect()
+    });
+    let places: Vec<usize> = (0..14).map(|i| open[(i * 7919 + 13) * 101 % open.len()]).collect();
+    let exact: Vec<Vec<f32>> = world.ask(&species, |_, travel| {
+        places.iter().map(|from| travel.times_s(0, *from, &places, &Run::silent()).unwrap()).collect()
+    });
+    world.options.exact_cells = 0;
+    let (mut times, mut ways) = (Vec::new(), Vec::new());
+    world.ask(&species, |_, travel| {
+        for (from, exact) in places.iter().zip(&exact) {
+            let rooms = travel.times_s(0, *from, &places, &Run::silent()).unwrap();
+            let found = travel.ways(0, *from, &places, &Run::silent()).unwrap();
+            for ((room, way), exact) in rooms.iter().zip(found).zip(exact).filter(|(_, exact)| **exact > 0.0) {
+                times.push(f64::from(*room) / f64::from(*exact) - 1.0);
+                ways.push(way.unwrap().seconds / f64::from(*exact) - 1.0);
+            }
+        }
+    });
+    (times, ways)
+}
+
+#[test]
+fn times_over_rooms_and_ways_in_corridors_keep_to_the_stated_error() {
+    for (side, most_tiles) in [(150, 1600), (200, 200)] {
+        let (mut times, ways) = errors(side, most_tiles);
+        times.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let mean = |errors: &[f64]| errors.iter().map(|e| e.abs()).sum::<f64>() / errors.len() as f64;
+        let (most, worst_way) = (times[times.len() * 99 / 100].abs(), ways.iter().fold(0.0, |a: f64, b| a.max(*b)));
+        assert!(mean(&times) < 0.08 && most < 0.32, "times: mean {} and 99 % below {most}", mean(&times));
+        assert!(mean(&ways) < 0.005 && worst_way < 0.1, "ways: mean {} and at most {worst_way}", mean(&ways));
+        assert!(ways.iter().all(|e| *e > -1e-4), "no way is quicker than the best");
+    }
+}
+
+#[test]
+fn times_by_rooms_are_the_same_on_one_and_two_threads() {
+    let mut world = wild(150);
+    world.options = TravelOptions { exact_cells: 0, most_tiles: 1600 };
+    let ask = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            world.ask(&[animal("deer", 1)], |_, travel| {
+                travel.times_s(0, 40 * 150 + 3, &[9_000, 12_345, 17_777], &Run::silent()).unwrap()
+            })
+        })
+    };
+    assert_eq!(ask(1), ask(2));
 }

@@ -2,12 +2,13 @@
 const BUCKETS: usize = 1024;
 
 /// A **bucket queue** (R. Dial, "Shortest-path forest with topological ordering", 1969): a
-/// priority queue for searches whose keys never fall below the one taken last.
+/// priority queue for searches whose keys never fall below the one taken last, and whose largest
+/// key is not known beforehand.
 ///
 /// Items leave in the order of their bucket `⌊key / width⌋`; within a bucket the last one in is
 /// the first one out. Push and pop cost O(1) as long as keys span a few thousand widths.
 #[derive(Debug, Clone)]
-pub struct BucketQueue {
+pub struct DialQueue {
     per_width: f64,
     first: u64,
     present: usize,
@@ -15,7 +16,7 @@ pub struct BucketQueue {
     far: Vec<(f32, u32)>,
 }
 
-impl BucketQueue {
+impl DialQueue {
     /// An empty queue with buckets of `width`, which must be positive and finite (otherwise 1).
     pub fn new(width: f32) -> Self {
         let width = if width.is_finite() && width > 0.0 { width } else { 1.0 };
@@ -72,7 +73,7 @@ mod tests {
     #[test]
     fn items_leave_in_the_order_of_their_buckets_however_far_apart() {
         let mut stream = Stream::new(1, Purpose::new("test.queue"), 0);
-        let mut queue = BucketQueue::new(0.5);
+        let mut queue = DialQueue::new(0.5);
         let keys: Vec<f32> = (0..5000).map(|i| (stream.unit() * if i % 7 == 0 { 1e6 } else { 100.0 }) as f32).collect();
         keys.iter().enumerate().for_each(|(i, key)| queue.push(*key, i as u32));
         let out: Vec<f32> = std::iter::from_fn(|| queue.pop()).map(|(key, _)| key).collect();
@@ -82,7 +83,7 @@ mod tests {
 
     #[test]
     fn an_emptied_queue_can_be_filled_again() {
-        let mut queue = BucketQueue::new(1.0);
+        let mut queue = DialQueue::new(1.0);
         queue.push(5.0, 1);
         assert_eq!(queue.pop(), Some((5.0, 1)));
         assert_eq!(queue.pop(), None);

@@ -1,0 +1,142 @@
+use super::steps::MOVES;
+use super::steps::NEIGHBOURS;
+use super::steps::Steps;
+use crate::compute::raster::Tiling;
+use crate::compute::run::Run;
+use crate::compute::run::Stopped;
+use rayon::prelude::*;
+
+/// No room.
+pub(super) const NONE: u16 = u16::MAX;
+
+/// A **room**: the cells of a tile that are connected within the tile. A tile that a river or a
+/// cliff cuts holds a room on either side, and a ford of one cell joins them: nothing is lost by
+/// searching over rooms instead of cells but the exact length of the way within them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Room {
+    pub(super) tile: u32,
+    pub(super) cells: u32,
+    /// Mean column and row of its cells.
+    pub(super) centre: (f32, f32),
+    /// Mean seconds per metre in each of the eight directions of [`MOVES`].
+    pub(super) slowness: [f32; NEIGHBOURS],
+}
+
+/// The rooms of a map.
+pub(super) struct Rooms {
+    pub(super) tiling: Tiling,
+    pub(super) rooms: Vec<Room>,
+    /// Index of the first room of each tile, and the number of all at the end.
+    pub(super) first: Vec<u32>,
+    /// Number of the room within its tile per cell of the map, or [`NONE`].
+    pub(super) local: Vec<u16>,
+}
+
+impl Rooms {
+    pub(super) fn new(steps: &Steps<'_>, tiling: Tiling, run: &Run) -> Result<Self, Stopped> {
+        let grid = steps.grid();
+        let mut local = vec![NONE; grid.len()];
+        let band = grid.width * tiling.side();
+        let found: Vec<Vec<Vec<Room>>> = local
+            .par_chunks_mut(band)
+            .enumerate()
+            .map(|(row, cells)| {
+                run.check()?;
+                Ok((0..tiling.columns).map(|column| rooms_of_tile(steps, &tiling, (column, row), cells)).collect())
+            })
+            .collect::<Result<_, Stopped>>()?;
+        let mut first = vec![0u32];
+        let mut rooms = Vec::new();
+        for mut tile in found.into_iter().flatten() {
+            rooms.append(&mut tile);
+            first.push(rooms.len() as u32);
+        }
+        Ok(Self { tiling, rooms, first, local })
+    }
+
+    /// The room that holds a cell of the map.
+    pub(super) fn of(&self, column: usize, row: usize, width: usize) -> Option<usize> {
+        let local = self.local[row * width + column];
+        (local != NONE).then(|| self.first[self.tiling.at(column, row)] as usize + usize::from(local))
+    }
+}
+
+/// Labels the cells of one tile (`cells` holds its band of rows) and measures its rooms.
+fn rooms_of_tile(steps: &Steps<'_>, tiling: &Tiling, (column, row): (usize, usize), cells: &mut [u16]) -> Vec<Room> {
+    let grid = steps.grid();
+    let (side, width) = (tiling.side(), grid.width);
+    let columns = column * side..((column + 1) * side).min(width);
+    let rows = row * side..((row + 1) * side).min(grid.height);
+    let mut rooms: Vec<Tally> = Vec::new();
+    let mut stack = Vec::new();
+    for start in rows.clone().flat_map(|y| columns.clone().map(move |x| (x, y))) {
+        let at = |(x, y): (usize, usize)| (y - rows.start) * width + x;
+        if cells[at(start)] != NONE || !steps.open(grid.index(start.0, start.1)) {
+            continue;
+        }
+        let name = rooms.len() as u16;
+        let mut tally = Tally::default();
+        cells[at(start)] = name;
+        stack.push(start);
+        while let Some((x, y)) = stack.pop() {
+            let cell = grid.index(x, y);
+            tally.add(steps, (x, y), cell);
+            for (dx, dy) in &MOVES[..4] {
+                let next = (x.wrapping_add_signed(*dx), y.wrapping_add_signed(*dy));
+                let inside = columns.contains(&next.0) && rows.contains(&next.1);
+                if inside && cells[at(next)] == NONE && steps.both_ways(cell, grid.index(next.0, next.1)) {
+                    cells[at(next)] = name;
+                    stack.push(next);
+                }
+            }
+        }
+        rooms.push(tally);
+    }
+    let tile = (row * tiling.columns + column) as u32;
+    rooms.iter().map(|tally| tally.room(tile)).collect()
+}
+
+/// What is summed up over the cells of a room.
+#[derive(Default)]
+struct Tally {
+    cells: u32,
+    columns: f64,
+    rows: f64,
+    slowness: [f64; NEIGHBOURS],
+    moves: [u32; NEIGHBOURS],
+}
+
+impl Tally {
+    fn add(&mut self, steps: &Steps<'_>, (x, y): (usize, usize), cell: usize) {
+        let grid = steps.grid();
+        self.cells += 1;
+        self.columns += x as f64;
+        self.rows += y as f64;
+        for (which, (dx, dy)) in MOVES[..NEIGHBOURS].iter().enumerate() {
+            let (nx, ny) = (x.wrapping_add_signed(*dx), y.wrapping_add_signed(*dy));
+            if nx >= grid.width || ny >= grid.height || !steps.open(grid.index(nx, ny)) {
+                continue;
+            }
+            let seconds = steps.seconds(cell, grid.index(nx, ny), which);
+            if seconds.is_finite() {
+                let cells = if which < 4 { 1.0 } else { std::f64::consts::SQRT_2 };
+                self.slowness[which] += f64::from(seconds) / (cells * grid.cell_m);
+                self.moves[which] += 1;
+            }
+        }
+    }
+
+    /// Directions that no cell can be left in count as slow as the slowest of the others.
+    fn room(&self, tile: u32) -> Room {
+        let n = f64::from(self.cells);
+        let mean = |which: usize| match self.moves[which] {
+            0 => f32::INFINITY,
+            moves => (self.slowness[which] / f64::from(moves)) as f32,
+        };
+        let mut slowness = [0.0; NEIGHBOURS];
+        (0..NEIGHBOURS).for_each(|which| slowness[which] = mean(which));
+        let slowest = slowness.iter().copied().filter(|s| s.is_finite()).fold(0.0, f32::max);
+        slowness.iter_mut().filter(|s| s.is_infinite()).for_each(|s| *s = slowest);
+        Room { tile, cells: self.cells, centre: ((self.columns / n) as f32, (self.rows / n) as f32), slowness }
+    }
+}
