@@ -38,6 +38,9 @@ pub struct Work {
     /// Heavy jobs that may run at once; quick ones run beside them.
     #[arg(long, env = "BIOTOPE_JOBS", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs: u16,
+    /// Quick jobs that may run at once beside them.
+    #[arg(long, env = "BIOTOPE_QUICK_JOBS", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub quick_jobs: u16,
     /// Memory that all running jobs together may need, in MiB [default: three quarters of the machine's].
     #[arg(long, env = "BIOTOPE_MEMORY_MIB")]
     pub memory_mib: Option<u64>,
@@ -86,15 +89,19 @@ impl Limits {
 impl Work {
     /// The settings of the room of jobs.
     pub fn settings(&self) -> jobs::Settings {
-        let default = jobs::Settings::default();
         jobs::Settings {
-            threads: self.threads.map_or(default.threads, usize::from),
+            threads: threads(self.threads),
             heavy_jobs: usize::from(self.jobs),
+            quick_jobs: usize::from(self.quick_jobs),
             memory_bytes: self.memory_mib.map_or_else(usable_memory, |mib| mib << 20),
             waiting_jobs: self.queue,
-            ..default
         }
     }
+}
+
+/// The threads asked for, else one a processor.
+pub fn threads(asked: Option<u16>) -> usize {
+    asked.map_or_else(|| jobs::Settings::default().threads, usize::from)
 }
 
 /// Three quarters of the machine's memory, or of what its control group allows; 4 GiB where

@@ -12,7 +12,7 @@ use tokio::runtime::Handle;
 use crate::cli::CliError;
 use crate::cli::bar::Bar;
 use crate::cli::bar::PACE;
-use crate::config::Work;
+use crate::config;
 use crate::jobs::local::FileRequest;
 use crate::jobs::local::LocalError;
 use crate::jobs::local::LocalRun;
@@ -46,8 +46,7 @@ impl RunFile {
                 stop.stop();
             }
         });
-        let threads = Work { threads: self.threads, jobs: 1, memory_mib: None, queue: 1 }.settings().threads;
-        let place = LocalRun { out: &self.out, keep: self.keep.as_deref(), threads };
+        let place = LocalRun { out: &self.out, keep: self.keep.as_deref(), threads: config::threads(self.threads) };
         let mut bar = Bar::new();
         let done = thread::scope(|scope| {
             let work = scope.spawn(|| FileRequest::open(&self.file)?.run(&self.process, &place, &live, handle.clone()));

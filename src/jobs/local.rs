@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use biotope_api::error::ErrorCode;
 use biotope_api::error::Problem;
@@ -17,9 +18,11 @@ use crate::jobs::Artefact;
 use crate::jobs::Failure;
 use crate::jobs::Job;
 use crate::jobs::JobsError;
+use crate::jobs::context::Kept;
 use crate::jobs::context::Stored;
 use crate::jobs::process::inputs_schema;
 use crate::jobs::progress::Live;
+use crate::jobs::registry::Entry;
 use crate::jobs::registry::Registry;
 use crate::jobs::results::load;
 use crate::jobs::schema::InputCheck;
@@ -30,6 +33,7 @@ use crate::jobs::sources::Sources;
 use crate::jobs::sources::data_address;
 use crate::jobs::sources::inline;
 use crate::jobs::work::Desk;
+use crate::jobs::work::accept;
 use crate::jobs::work::invalid_problem;
 use crate::jobs::work::perform;
 use crate::jobs::work::problem;
@@ -99,6 +103,34 @@ impl FileRequest {
         Ok(Self { execute, folder: file.parent().unwrap_or(Path::new("")).to_owned() })
     }
 
+    /// Checks the request as the service would before it queues it.
+    ///
+    /// # Errors
+    /// When the request is at fault.
+    pub fn check(&self, registry: &Registry, process: &str) -> Result<(), LocalError> {
+        let sources = FileSources { folder: self.folder.clone() };
+        let accepted = accept(find(registry, process)?, &self.execute, &sources);
+        accepted.map(drop).map_err(|faults| refuse(invalid_problem(faults)))
+    }
+
+    /// Runs the request; its outputs are in `store`. Not for async threads.
+    ///
+    /// # Errors
+    /// When the request is at fault or the work fails.
+    pub fn solve(
+        &self,
+        entry: &Entry,
+        store: &BlockingStore,
+        threads: usize,
+        live: &Arc<Live>,
+    ) -> Result<Kept, LocalError> {
+        let sources = FileSources { folder: self.folder.clone() };
+        let observer = Arc::clone(live);
+        let run = Run::new(live.stop.clone(), move |progress| observer.report(progress));
+        let begun = |job: &dyn Job| live.set_stages(job.stages());
+        perform(entry, &self.execute, Desk { store, sources: &sources, run, threads }, &begun).map_err(failed)
+    }
+
     /// Runs the request and writes every output as `<output id>.<extension>`; returns the
     /// warnings. Not for async threads; the store works on the runtime of `handle`.
     ///
@@ -108,27 +140,25 @@ impl FileRequest {
         &self,
         process: &str,
         place: &LocalRun<'_>,
-        live: &std::sync::Arc<Live>,
+        live: &Arc<Live>,
         handle: Handle,
     ) -> Result<Vec<Warning>, LocalError> {
         let registry = Registry::standard().map_err(LocalError::Fault)?;
-        let unknown = || refuse(Problem::new(ErrorCode::NoSuchProcess, format!("There is no process {process:?}.")));
-        let entry = registry.find(process).ok_or_else(unknown)?;
+        let entry = find(&registry, process)?;
         make_folder(place.out)?;
         let work = WorkFolder::make(place)?;
-        let store = Store::in_folder(&work.folder).map_err(JobsError::from)?;
-        let store = BlockingStore::new(store, handle);
-        let sources = FileSources { folder: self.folder.clone() };
-        let observer = std::sync::Arc::clone(live);
-        let run = Run::new(live.stop.clone(), move |progress| observer.report(progress));
-        let desk = Desk { store: &store, sources: &sources, run, threads: place.threads };
-        let begun = |job: &dyn Job| live.set_stages(job.stages());
-        let kept = perform(entry, &self.execute, desk, &begun).map_err(failed)?;
+        let store = BlockingStore::new(Store::in_folder(&work.folder).map_err(JobsError::from)?, handle);
+        let kept = self.solve(entry, &store, place.threads, live)?;
         for (id, stored) in &kept.outputs {
             write_output(&store, id, stored, place.out, &live.stop)?;
         }
         Ok(kept.warnings)
     }
+}
+
+fn find<'a>(registry: &'a Registry, process: &str) -> Result<&'a Entry, LocalError> {
+    let unknown = || refuse(Problem::new(ErrorCode::NoSuchProcess, format!("There is no process {process:?}.")));
+    registry.find(process).ok_or_else(unknown)
 }
 
 fn refuse(problem: Problem) -> LocalError {
