@@ -6,6 +6,7 @@ mod openapi;
 mod run;
 mod serve;
 
+use std::io::IsTerminal as _;
 use std::io::Write as _;
 use std::process::ExitCode;
 
@@ -63,7 +64,11 @@ pub fn main() -> ExitCode {
 /// Logs go to standard error; `RUST_LOG` says how much, by default what an operator must see.
 fn log_to_stderr() {
     let filter = EnvFilter::builder().with_default_directive(tracing::Level::WARN.into()).from_env_lossy();
-    let _set_before = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).try_init();
+    let _set_before = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_ansi(std::io::stderr().is_terminal())
+        .with_writer(std::io::stderr)
+        .try_init();
 }
 
 fn fail(error: &CliError) -> ExitCode {
