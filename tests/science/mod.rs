@@ -1,6 +1,7 @@
 //! What must be true: closed forms, invariants, conserved sums, outside checks.
 
 mod distributions_analysis;
+mod fauna;
 mod flora;
 mod flora_study;
 mod herds_animation;

@@ -27,6 +27,7 @@ pub mod planning;
 pub mod presence;
 pub mod rag;
 pub mod regions;
+pub mod relatives;
 pub mod resources;
 pub mod scales;
 mod slabs;
