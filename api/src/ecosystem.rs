@@ -277,6 +277,11 @@ pub struct AnimalInput {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]
     pub proportion: Option<f64>,
+    /// The most individuals per km² that it bears beside its own kind; one group always has room.
+    /// Default: ten times the density of its living relative, where one is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    pub max_density_per_km2: Option<f64>,
     /// Food needed, kg a day (dry matter of plants, or mass of prey).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub food_kg_per_day: Option<f64>,
@@ -426,9 +431,9 @@ impl Default for CompetitionInput {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaceInput {
-    /// East, metres from the terrain's south-west corner.
+    /// East, metres: from the terrain's south-west corner, or in its coordinate system.
     pub x: f64,
-    /// North, metres from the terrain's south-west corner.
+    /// North, metres: from the terrain's south-west corner, or in its coordinate system.
     pub y: f64,
     /// Radius, metres. Default: one cell and a half.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -453,17 +458,17 @@ pub struct PassagesInput {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrailsInput {
-    /// Depth of the deepest trail carved into the terrain, metres. Default: 0.3.
+    /// The deepest a trail is carved into the terrain, metres. Default: 0.4.
     #[schemars(range(min = 0.0, max = 10.0))]
-    pub carve_m: f64,
-    /// Width of the most used trail, metres. Default: 2.
-    #[schemars(range(min = 0.0, max = 100.0))]
+    pub depth_limit_m: f64,
+    /// Width of the busiest trails, metres. Default: 3.
+    #[schemars(range(min = 0.4, max = 100.0))]
     pub width_m: f64,
 }
 
 impl Default for TrailsInput {
     fn default() -> Self {
-        Self { carve_m: 0.3, width_m: 2.0 }
+        Self { depth_limit_m: 0.4, width_m: 3.0 }
     }
 }
 
@@ -502,9 +507,9 @@ pub struct PlanningInput {
     /// Step of the path in time, seconds. Default: 300.
     #[schemars(range(min = 1.0, max = 86400.0))]
     pub path_step_s: f64,
-    /// Individuals a node can host at once, per hectare. Default: 200.
-    #[schemars(range(min = 0.001))]
-    pub capacity_per_ha: f64,
+    /// Node capacity: the ground an individual takes at a node, m². Default: 25.
+    #[schemars(range(min = 0.01, max = 1000000.0))]
+    pub m2_each: f64,
     /// Edits, in order.
     #[schemars(length(max = 10000))]
     pub edits: Vec<PlanningEdit>,
@@ -512,6 +517,6 @@ pub struct PlanningInput {
 
 impl Default for PlanningInput {
     fn default() -> Self {
-        Self { path_step_s: 300.0, capacity_per_ha: 200.0, edits: Vec::new() }
+        Self { path_step_s: 300.0, m2_each: 25.0, edits: Vec::new() }
     }
 }

@@ -18,6 +18,7 @@
 pub mod artefact;
 pub mod context;
 pub mod echo;
+pub mod ecosystem;
 pub mod invalid;
 pub mod job;
 pub mod local;

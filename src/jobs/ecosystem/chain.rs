@@ -3,6 +3,10 @@
 
 use serde::Serialize;
 
+use crate::compute::ecosystem::fauna;
+use crate::compute::ecosystem::fauna::FaunaOptions;
+use crate::compute::ecosystem::fauna::Habitable;
+use crate::compute::ecosystem::fauna::Population;
 use crate::compute::ecosystem::fitness;
 use crate::compute::ecosystem::fitness::Fitness;
 use crate::compute::ecosystem::fitness::FitnessOptions;
@@ -11,12 +15,29 @@ use crate::compute::ecosystem::flora;
 use crate::compute::ecosystem::flora::Flora;
 use crate::compute::ecosystem::flora::FloraError;
 use crate::compute::ecosystem::flora::FloraOptions;
+use crate::compute::ecosystem::flora::Painted;
+use crate::compute::ecosystem::habitat::Habitat;
+use crate::compute::ecosystem::planning;
+use crate::compute::ecosystem::planning::Pace;
+use crate::compute::ecosystem::planning::Plannings;
+use crate::compute::ecosystem::planning::Track;
+use crate::compute::ecosystem::rag::PlantGrowth;
+use crate::compute::ecosystem::regions::Ground;
+use crate::compute::ecosystem::regions::RegionOptions;
+use crate::compute::ecosystem::regions::Regions;
+use crate::compute::ecosystem::resources::MONTHS;
 use crate::compute::ecosystem::resources::ResourceError;
 use crate::compute::ecosystem::resources::ResourceRules;
 use crate::compute::ecosystem::resources::Resources;
+use crate::compute::ecosystem::species::Interval;
+use crate::compute::ecosystem::species::Stratum;
 use crate::compute::ecosystem::terrain::Terrain;
+use crate::compute::ecosystem::trails;
+use crate::compute::ecosystem::trails::Trails;
+use crate::compute::ecosystem::travel::Travel;
 use crate::compute::ecosystem::water::Water;
 use crate::compute::ecosystem::water::WaterRules;
+use crate::compute::raster::Raster;
 use crate::jobs::Digest;
 use crate::jobs::Failure;
 use crate::jobs::Hasher;
@@ -47,8 +68,43 @@ pub struct Vegetation {
     /// How well each plant does where.
     pub fitness: Fitness,
     /// How much of each grows where.
-    pub flora: Flora,
+    pub grown: Grown,
     digest: Digest,
+}
+
+/// Where each animal can go.
+pub struct Country {
+    /// The confinement regions.
+    pub regions: Regions,
+    /// Cover of all trees.
+    pub tree_cover: Raster<f32>,
+    digest: Digest,
+}
+
+/// The animals.
+pub struct Wildlife {
+    /// Who lives where, and on what; with travel times.
+    pub population: Population,
+    digest: Digest,
+}
+
+/// What the herds do all day, and where they are.
+pub struct Days {
+    /// The plannings.
+    pub plannings: Plannings,
+    /// The paths, herd by herd.
+    pub tracks: Vec<Track>,
+}
+
+/// Travel times of each territory, in the order of the graph's territories.
+pub struct Times(pub Vec<Vec<f32>>);
+
+/// What grows, after the competition and the edits.
+pub struct Grown {
+    /// The plants.
+    pub flora: Flora,
+    /// What painting did, by plant.
+    pub painted: Vec<(usize, Painted)>,
 }
 
 /// The stages, in order; each takes what the ones before it made.
@@ -90,33 +146,242 @@ impl Chain {
         let parameters = (&inputs.plants, &inputs.competition, context.seed);
         let inputs = digest(&[&climate.digest, &request.digests.painted], &parameters)?;
         let fitness_key = Stage { name: "plants.fitness", version: 1, inputs };
-        let flora_key = Stage { name: "plants.competition", version: 1, inputs };
-        let (temperature, light) = (request.scales.temperature, request.scales.illumination);
-        let (temperature_scale, illumination_scale) = (|c| temperature.at(c), |l| light.at(l));
-        let species = &request.plants.species;
-        let resources = &climate.resources;
+        let growth_key = Stage { name: "plants.competition", version: 1, inputs };
+        let (species, resources) = (&request.plants.species, &climate.resources);
         let fitness = stage(context, fitness_key, || {
-            let options = FitnessOptions {
-                months: months(request),
-                needs: request.needs,
-                temperature_scale: &temperature_scale,
-                illumination_scale: &illumination_scale,
-            };
+            let options = FitnessOptions { months: months(request), needs: request.needs, scales: request.scales };
             Ok(fitness::fitness(&context.run, species, resources, &options)?)
         })?;
-        let flora = stage(context, flora_key, || {
-            let options = FloraOptions {
-                seed: context.seed,
-                needs: request.needs,
-                illumination_scale: &illumination_scale,
-                bare: request.exclusion.as_ref(),
-                proportion_tolerance: request.inputs.competition.proportion_tolerance,
-                fill: request.inputs.competition.fill,
-            };
-            flora::compete(&context.run, species, resources, &fitness, &options).map_err(flora_failure)
+        let grown = stage(context, growth_key, || {
+            let options = flora_options(context, request);
+            let flora = flora::compete(&context.run, species, resources, &fitness, &options).map_err(flora_failure)?;
+            paint(context, request, (resources, &fitness), flora)
         })?;
-        Ok(Vegetation { fitness, flora, digest: flora_key.digest() })
+        Ok(Vegetation { fitness, grown, digest: growth_key.digest() })
     }
+
+    /// Stage 4: where each animal can go.
+    pub fn regions(
+        context: &JobContext<'_>,
+        request: &Request,
+        (land, plants): (&Land, &Vegetation),
+    ) -> Result<Country, Failure> {
+        let tree_cover = plants.grown.flora.stratum_map(&request.plants.species, Stratum::Tree);
+        let inputs = digest(&[&land.digest, &plants.digest], &(&request.inputs.animals, &request.inputs.passages))?;
+        let key = Stage { name: "animals.regions", version: 1, inputs };
+        let regions = stage(context, key, || {
+            let ground = ground(land, &tree_cover);
+            let least = RegionOptions::default().min_area_m2;
+            let min_area_m2 = request.inputs.passages.min_region_m2.unwrap_or(least);
+            let options = RegionOptions { min_area_m2, ..RegionOptions::default() };
+            Ok(Regions::new(&ground, &request.passages, &request.animals.species, &options, &context.run)?)
+        })?;
+        Ok(Country { regions, tree_cover, digest: key.digest() })
+    }
+
+    /// Stages 5 and 6: the Resource Access Graph, and the animals that compete on it.
+    pub fn animals(
+        context: &JobContext<'_>,
+        request: &Request,
+        (land, plants, country): (&Land, &Vegetation, &Country),
+    ) -> Result<Wildlife, Failure> {
+        let animals = &request.animals.species;
+        let parameters = (&request.inputs.animals, &request.inputs.competition, &request.inputs.climate, context.seed);
+        let inputs = digest(&[&country.digest], &parameters)?;
+        let key = Stage { name: "animals.competition", version: 1, inputs };
+        let population = stage(context, key, || {
+            let growth = Growth { request, plants };
+            let habitable = Habitable {
+                regions: &country.regions,
+                water_depth: &land.water.depth_m,
+                plants: &request.plants.species,
+                growth: &growth,
+                animals,
+            };
+            Ok(fauna::populate(&habitable, &fauna_options(context, request, &country.regions), &context.run)?)
+        })?;
+        let key = Stage { name: "animals.travel", version: 1, inputs: digest(&[&key.digest()], &())? };
+        let times = stage(context, key, || {
+            let mut rag = population.rag.clone();
+            travel(request, (land, country)).fill_times(&mut rag, &context.run)?;
+            Ok(Times(rag.territories.into_iter().map(|t| t.times_s).collect()))
+        })?;
+        let mut population = population;
+        for (territory, times_s) in population.rag.territories.iter_mut().zip(times.0) {
+            territory.times_s = times_s;
+        }
+        Ok(Wildlife { population, digest: key.digest() })
+    }
+
+    /// Stage 7: the trails they wear.
+    pub fn trails(
+        context: &JobContext<'_>,
+        request: &Request,
+        (land, country): (&Land, &Country),
+        wildlife: &Wildlife,
+    ) -> Result<Trails, Failure> {
+        let parameters = (&request.inputs.trails, context.seed);
+        let key = Stage { name: "trails", version: 1, inputs: digest(&[&wildlife.digest], &parameters)? };
+        stage(context, key, || {
+            let travel = travel(request, (land, country));
+            let options = trails_options(context, request);
+            Ok(trails::trails(&habitat(request, wildlife, &travel), &options, &context.run)?)
+        })
+    }
+
+    /// What grows beside the trails: the plants under them are removed (L 6.1). Not stored: one
+    /// pass over the maps.
+    pub fn beside_trails(
+        context: &JobContext<'_>,
+        request: &Request,
+        (climate, plants): (&ClimateMaps, &Vegetation),
+        trails: &Trails,
+    ) -> Result<Flora, Failure> {
+        let (ground, options) = ((&climate.resources, &plants.fitness), flora_options(context, request));
+        let worn = (plants.grown.flora.clone(), &trails.worn);
+        flora::clear(&context.run, &request.plants.species, ground, worn, &options).map_err(flora_failure)
+    }
+
+    /// Stage 8: what each herd does all day. The paths are made from the plannings when asked for.
+    pub fn plannings(
+        context: &JobContext<'_>,
+        request: &Request,
+        (land, country): (&Land, &Country),
+        wildlife: &Wildlife,
+    ) -> Result<Days, Failure> {
+        let parameters = (&request.inputs.planning, context.seed);
+        let key = Stage { name: "planning", version: 1, inputs: digest(&[&wildlife.digest], &parameters)? };
+        stage(context, key, || {
+            let travel = travel(request, (land, country));
+            let habitat = habitat(request, wildlife, &travel);
+            let options = planning_options(context, request);
+            let plannings = planning::plannings(&habitat, &options, &context.run)?;
+            let all: Vec<usize> = (0..plannings.herds.len()).collect();
+            let pace = Pace { step_s: request.inputs.planning.path_step_s, height: Some(&land.terrain.height) };
+            let tracks = planning::tracks(&habitat, &plannings, &all, pace, &context.run)?;
+            Ok(Days { plannings, tracks })
+        })
+    }
+}
+
+/// How the animals travel.
+fn travel<'a>(request: &'a Request, (land, country): (&'a Land, &'a Country)) -> Travel<'a> {
+    Travel::new(ground(land, &country.tree_cover), &request.passages, &country.regions, &request.animals.species)
+}
+
+/// The terrain with its animals in place.
+fn habitat<'a>(request: &'a Request, wildlife: &'a Wildlife, travel: &'a Travel<'a>) -> Habitat<'a> {
+    Habitat {
+        grid: &request.height.grid,
+        rag: &wildlife.population.rag,
+        animals: &request.animals.species,
+        ways: travel,
+    }
+}
+
+fn trails_options(context: &JobContext<'_>, request: &Request) -> trails::Options {
+    let (input, wear) = (&request.inputs.trails, trails::Wear::default());
+    let width_m = Interval::new(wear.width_m.min.min(input.width_m), input.width_m);
+    trails::Options {
+        seed: context.seed,
+        wear: trails::Wear { width_m, depth_limit_m: input.depth_limit_m, ..wear },
+        ..trails::Options::default()
+    }
+}
+
+fn planning_options(context: &JobContext<'_>, request: &Request) -> planning::Options {
+    planning::Options { seed: context.seed, m2_each: request.inputs.planning.m2_each, ..planning::Options::default() }
+}
+
+/// What stops or slows animals.
+pub fn ground<'a>(land: &'a Land, tree_cover: &'a Raster<f32>) -> Ground<'a> {
+    let Terrain { height, slope, .. } = &land.terrain;
+    Ground { height, slope, water_depth: &land.water.depth_m, tree_cover }
+}
+
+/// The yearly growth of the plants that stand.
+pub struct Growth<'a> {
+    /// Whose plants.
+    pub request: &'a Request,
+    /// The plants.
+    pub plants: &'a Vegetation,
+}
+
+impl PlantGrowth for Growth<'_> {
+    fn row(&self, plant: usize, row: usize, out: &mut [f32]) {
+        let Vegetation { fitness, grown, .. } = self.plants;
+        let first = row * self.request.grid().width;
+        for (i, kg) in out.iter_mut().enumerate() {
+            *kg = grown.flora.growth_kg(&self.request.plants.species[plant], fitness, (plant, first + i)) as f32;
+        }
+    }
+}
+
+fn fauna_options(context: &JobContext<'_>, request: &Request, regions: &Regions) -> FaunaOptions {
+    let competition = &request.inputs.competition;
+    FaunaOptions {
+        seed: context.seed,
+        proportion_tolerance: competition.proportion_tolerance,
+        fill: competition.fill,
+        max_density_per_km2: (0..request.animals.species.len()).map(|s| max_density(request, regions, s)).collect(),
+        plant_seasons: vec![seasons(request); request.plants.species.len()],
+        ..FaunaOptions::default()
+    }
+}
+
+/// The most individuals per km², but so that one group finds room in the largest region.
+fn max_density(request: &Request, regions: &Regions, species: usize) -> f64 {
+    let areas = (0..regions.count(species)).map(|region| regions.area_m2(species, region));
+    let largest_km2 = 1e-6 * areas.fold(0.0, f64::max);
+    let group = f64::from(request.animals.species[species].group_min);
+    let one_group = if largest_km2 > 0.0 { group / largest_km2 } else { 0.0 };
+    request.animals.max_density_per_km2[species].max(one_group)
+}
+
+/// The share of each month in what can be eaten of a plant (ours): half of the year's growth
+/// stands all year, as cured grass and twigs; the other half goes with the warmth above 5 °C, the
+/// usual threshold of growth, at the terrain's mean height.
+fn seasons(request: &Request) -> Vec<f64> {
+    const GROWTH_THRESHOLD_C: f64 = 5.0;
+    let heights = request.height.data.iter().filter(|h| h.is_finite());
+    let (sum, count) = heights.fold((0.0, 0.0), |(s, n), h| (s + f64::from(*h), n + 1.0));
+    let climate = &request.climate;
+    let cooling = climate.lapse_c_per_m * (sum / f64::max(count, 1.0) - climate.reference_height_m);
+    let warmth = climate.months.map(|m| (m.temperature_mean_c - cooling - GROWTH_THRESHOLD_C).max(0.0));
+    let year: f64 = warmth.iter().sum();
+    let even = 1.0 / MONTHS as f64;
+    warmth.iter().map(|w| 0.5 * even + 0.5 * if year > 0.0 { w / year } else { even }).collect()
+}
+
+/// The rules of the plants' competition.
+pub fn flora_options<'a>(context: &JobContext<'_>, request: &'a Request) -> FloraOptions<'a> {
+    FloraOptions {
+        seed: context.seed,
+        needs: request.needs,
+        scales: request.scales,
+        bare: request.exclusion.as_ref(),
+        proportion_tolerance: request.inputs.competition.proportion_tolerance,
+        fill: request.inputs.competition.fill,
+        ..FloraOptions::default()
+    }
+}
+
+/// Applies the painted covers, in the order of the plants.
+fn paint(
+    context: &JobContext<'_>,
+    request: &Request,
+    ground: (&Resources, &Fitness),
+    mut flora: Flora,
+) -> Result<Grown, Failure> {
+    let options = flora_options(context, request);
+    let mut painted = Vec::new();
+    for (s, wanted) in &request.painted {
+        let (after, done) = flora::paint(&context.run, &request.plants.species, ground, (flora, *s, wanted), &options)
+            .map_err(flora_failure)?;
+        flora = after;
+        painted.push((*s, done));
+    }
+    Ok(Grown { flora, painted })
 }
 
 fn months(request: &Request) -> MonthRule {

@@ -70,21 +70,43 @@ fn outputs() -> Vec<Output> {
         map("terrain.height", "Height", "Height of the ground.", "m"),
         map("terrain.slope", "Slope", "Slope of the ground.", "rise over run"),
         map("terrain.water", "Water", "Depth of lakes, rivers and streams.", "m"),
-        map("climate.temperature_min.<mm>", "Monthly minimum", "Mean of the daily minima of a month.", "°C").on_request(),
-        map("climate.temperature_max.<mm>", "Monthly maximum", "Mean of the daily maxima of a month.", "°C").on_request(),
+        map("climate.temperature_min.<mm>", "Monthly minimum", "Mean of the daily minima of a month.", "°C")
+            .on_request(),
+        map("climate.temperature_max.<mm>", "Monthly maximum", "Mean of the daily maxima of a month.", "°C")
+            .on_request(),
         map("climate.sunlight.<mm>", "Sunlight", "Light fraction of a month.", "light fraction").on_request(),
         map("climate.moisture.<mm>", "Moisture", "Soil moisture of a month.", "scale 1-9").on_request(),
         map("soil", "Soil", "Soil type.", ""),
-        map("plants.cover.<slug>", "Cover of a plant", "Share of each cell that the species covers.", "share of the cell"),
+        map(
+            "plants.cover.<slug>",
+            "Cover of a plant",
+            "Share of each cell that the species covers.",
+            "share of the cell",
+        ),
         map("plants.surplus.<slug>", "Surplus of a plant", "Yearly growth that nothing eats.", "kg/m² a year"),
         map("plants.left.light", "Light left", "Light that reaches the ground, mean of the year.", "light fraction"),
-        map("plants.left.moisture", "Moisture left", "Moisture that plants do not draw, mean of the year.", "scale 1-9"),
+        map(
+            "plants.left.moisture",
+            "Moisture left",
+            "Moisture that plants do not draw, mean of the year.",
+            "scale 1-9",
+        ),
         map("plants.biome", "Biome", "The biome that covers most of each cell.", ""),
-        map("animals.regions.<slug>", "Confinement regions", "Numbers of the regions that the species cannot leave.", ""),
+        map(
+            "animals.regions.<slug>",
+            "Confinement regions",
+            "Numbers of the regions that the species cannot leave.",
+            "",
+        ),
         map("animals.density.<slug>", "Density of an animal", "Individuals per square kilometre.", "individuals/km²"),
         map("animals.surplus.<slug>", "Surplus of an animal", "Yearly births that nothing eats.", "kg/km² a year"),
-        Output::new("rag", "Resource Access Graph", "Nodes, and travel times between them for each species.", Kind::Tables),
-        map("trails.usage", "Trails", "How much each cell is walked.", "kg/s"),
+        Output::new(
+            "rag",
+            "Resource Access Graph",
+            "Nodes, and travel times between them for each species.",
+            Kind::Tables,
+        ),
+        map("trails.usage", "Trails", "Mass of animals a year times metres walked, per area.", "kg m a year per m²"),
         Output::new("trails.lines", "Trails", "Trails as lines with their weight and width.", Kind::Json),
         map("terrain.carved", "Carved height", "Height of the ground with the trails worn into it.", "m"),
         Output::new("herds", "Herds", "Every herd with its region and size.", Kind::Table),
@@ -119,10 +141,28 @@ impl Job for EcosystemJob {
         // 2. Climate and soil.
         let climate = Chain::climate(context, &request, &land)?;
         maps(context, &request).climate(&climate.resources)?;
-        // 3. Plants.
+        // 3. Plants compete.
         let plants = Chain::plants(context, &request, &climate)?;
-        maps(context, &request).plants(&request, &plants.flora)?;
-        Ok(())
+        // 4. Where each animal can go.
+        let country = Chain::regions(context, &request, (&land, &plants))?;
+        // 5. and 6. The Resource Access Graph; herbivores, then carnivores compete on it.
+        let wildlife = Chain::animals(context, &request, (&land, &plants, &country))?;
+        maps(context, &request).animals(&request, (&plants, &country), &wildlife)?;
+        life::graph(context, &request, &wildlife.population.rag)?;
+        // 7. The trails they wear, and the plants that are left beside them.
+        let trails = Chain::trails(context, &request, (&land, &country), &wildlife)?;
+        maps(context, &request).trails(&land.terrain, &trails)?;
+        life::trail_lines(context, &request, &trails)?;
+        let left = Chain::beside_trails(context, &request, (&climate, &plants), &trails)?;
+        maps(context, &request).plants(&request, &left)?;
+        // 8. What each herd does all day.
+        let days = Chain::plannings(context, &request, (&land, &country), &wildlife)?;
+        life::herds(context, &request, &days.plannings.herds)?;
+        life::plannings(context, &request, &wildlife, &days)?;
+        // 9. What the experts look at.
+        maps(context, &request).biomes(&request, &left)?;
+        report::biomes(context, &request, &left)?;
+        report::summary(context, &request, (&plants, &left), (&country, &wildlife, &days))
     }
 }
 

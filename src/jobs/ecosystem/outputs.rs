@@ -8,6 +8,7 @@ use crate::codec::map::Legend;
 use crate::codec::map::Map;
 use crate::codec::map::MapData;
 use crate::codec::map::Spread;
+use crate::compute::ecosystem::biomes;
 use crate::compute::ecosystem::flora::Flora;
 use crate::compute::ecosystem::resources::MONTHS;
 use crate::compute::ecosystem::resources::MonthlyMap;
@@ -19,6 +20,7 @@ use crate::compute::raster::Raster;
 use crate::jobs::Artefact;
 use crate::jobs::Failure;
 use crate::jobs::JobContext;
+use crate::jobs::ecosystem::request::Biomes;
 use crate::jobs::ecosystem::request::Request;
 use crate::jobs::ecosystem::species::slug;
 
@@ -103,6 +105,25 @@ impl Maps<'_, '_> {
     }
 }
 
+impl Maps<'_, '_> {
+    /// The dominant biome, and the densest cells of each.
+    pub fn biomes(&mut self, request: &Request, flora: &Flora) -> Result<(), Failure> {
+        let Biomes { names, of } = &request.biomes;
+        let legend = Legend::categories("Dominant biome", named_classes(names.iter().map(String::as_str)));
+        self.put("plants.biome", legend, || {
+            let none = |b: u8| if usize::from(b) < names.len() { b } else { MapData::NODATA_U8 };
+            MapData::U8(biomes::dominant(flora, of).map(none))
+        })?;
+        for (i, name) in names.iter().enumerate() {
+            let legend = Legend::continuous(format!("Densest cells of the biome {name}"), "weight", ColourMap::Green);
+            self.quantities(&format!("plants.densest.{}", slug(name)), legend, || {
+                biomes::densest(&biomes::density(flora, of, i), biomes::DENSEST_SHARE)
+            })?;
+        }
+        Ok(())
+    }
+}
+
 fn soil_categories() -> Vec<Category> {
     let label = |soil| match soil {
         Soil::Limestone => ("limestone", [225, 214, 178]),
@@ -122,10 +143,7 @@ fn soil_categories() -> Vec<Category> {
 
 /// Classes numbered from 0 by the order of their names, in the palette's colours.
 pub fn named_classes<'n>(names: impl IntoIterator<Item = &'n str>) -> Vec<Category> {
-    let category = |(i, name): (usize, &str)| Category {
-        value: i as u32,
-        label: name.to_owned(),
-        colour: colours::category(i),
-    };
+    let category =
+        |(i, name): (usize, &str)| Category { value: i as u32, label: name.to_owned(), colour: colours::category(i) };
     names.into_iter().enumerate().map(category).collect()
 }

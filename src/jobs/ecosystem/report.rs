@@ -5,12 +5,27 @@ use biotope_api::warning::WarningCode;
 use serde_json::Value;
 use serde_json::json;
 
+use crate::compute::ecosystem::biomes;
+use crate::compute::ecosystem::fauna;
+use crate::compute::ecosystem::fauna::Population;
 use crate::compute::ecosystem::flora::Absence;
 use crate::compute::ecosystem::flora::Flora;
+use crate::compute::ecosystem::flora::Total;
+use crate::compute::ecosystem::planning::Reason;
+use crate::compute::ecosystem::regions::Regions;
+use crate::compute::ecosystem::species::AnimalSpecies;
+use crate::compute::ecosystem::species::Food;
 use crate::jobs::Artefact;
 use crate::jobs::Failure;
 use crate::jobs::JobContext;
 use crate::jobs::Table;
+use crate::jobs::ecosystem::chain::Country;
+use crate::jobs::ecosystem::chain::Days;
+use crate::jobs::ecosystem::chain::Grown;
+use crate::jobs::ecosystem::chain::Vegetation;
+use crate::jobs::ecosystem::chain::Wildlife;
+use crate::jobs::ecosystem::library;
+use crate::jobs::ecosystem::request::Biomes;
 use crate::jobs::ecosystem::request::Request;
 use crate::jobs::ecosystem::species::slug;
 
@@ -75,10 +90,74 @@ pub fn absence(reason: &Absence) -> String {
     }
 }
 
+/// Area and densest places of each biome.
+pub fn biomes(context: &mut JobContext<'_>, request: &Request, flora: &Flora) -> Result<(), Failure> {
+    let Biomes { names, of } = &request.biomes;
+    let cell_m2 = request.grid().cell_area_m2();
+    let dominant = biomes::dominant(flora, of);
+    let biome = |(i, name): (usize, &String)| {
+        let density = biomes::density(flora, of, i);
+        let cover_m2: f64 = density.data.iter().filter(|v| !v.is_nan()).map(|v| f64::from(*v) * cell_m2).sum();
+        let dominates = dominant.data.iter().filter(|v| usize::from(**v) == i).count() as f64 * cell_m2;
+        let members: Vec<&str> =
+            of.iter().zip(&request.plants.species).filter(|(b, _)| **b == i).map(|(_, s)| s.name.as_str()).collect();
+        json!({"biome": name, "species": members, "cover_m2": cover_m2, "dominates_m2": dominates})
+    };
+    let all: Vec<Value> = names.iter().enumerate().map(biome).collect();
+    context.put("biomes", Artefact::Json(json!({ "biomes": all })))
+}
+
+/// The summary of the whole, and its warnings.
+pub fn summary(
+    context: &mut JobContext<'_>,
+    request: &Request,
+    (grown, left): (&Vegetation, &Flora),
+    (country, wildlife, days): (&Country, &Wildlife, &Days),
+) -> Result<(), Failure> {
+    painted(context, request, &grown.grown);
+    let plants = plants(context, request, (&grown.grown.flora, left), &wildlife.population);
+    let animals = animals(context, request, &country.regions, &wildlife.population);
+    let biomass = biomass(context, request, &wildlife.population);
+    plannings(context, days);
+    let area_km2 =
+        request.height.data.iter().filter(|h| !h.is_nan()).count() as f64 * request.grid().cell_area_m2() * 1e-6;
+    let summary = json!({
+        "area_km2": area_km2,
+        "plants": plants,
+        "animals": animals,
+        "biomass": biomass,
+        "herds": days.plannings.herds.len(),
+    });
+    context.put("summary", Artefact::Json(summary))
+}
+
+fn painted(context: &mut JobContext<'_>, request: &Request, grown: &Grown) {
+    for (s, painted) in &grown.painted {
+        let Some(short) = &painted.shortfall else { continue };
+        let place = request.grid().centre(short.worst_cell);
+        let message = format!(
+            "{} was painted beyond the resources: {:.0} m2 in {} cells do not grow, most at x {:.0}, y {:.0} ({:.0} % of the cell)",
+            request.plants.species[*s].name,
+            short.area_m2,
+            short.cells,
+            place.x,
+            place.y,
+            100.0 * short.worst
+        );
+        let pointer = format!("/plants/{s}/painted_cover");
+        context.warn(Warning::new(WarningCode::PaintedBeyondResources, pointer, message).with_count(short.cells));
+    }
+}
+
 /// The plants' part of the summary, with a warning for each that grows nowhere.
-pub fn plants(context: &mut JobContext<'_>, request: &Request, flora: &Flora) -> Vec<Value> {
+fn plants(
+    context: &mut JobContext<'_>,
+    request: &Request,
+    (flora, left): (&Flora, &Flora),
+    population: &Population,
+) -> Vec<Value> {
     let all: f64 = flora.totals.iter().map(|t| t.cover_m2).sum();
-    let row = |(s, total): (usize, &crate::compute::ecosystem::flora::Total)| {
+    let row = |(s, total): (usize, &Total)| {
         let plant = &request.plants.species[s];
         let why = total.why_empty.as_ref().map(absence);
         if let Some(why) = &why {
@@ -89,11 +168,127 @@ pub fn plants(context: &mut JobContext<'_>, request: &Request, flora: &Flora) ->
             "species": plant.name,
             "slug": slug(&plant.name),
             "cover_m2": total.cover_m2,
+            "cover_beside_trails_m2": left.totals[s].cover_m2,
             "cells": total.cells,
             "proportion_asked": flora.reached.as_ref().map(|r| r.asked[s]),
             "proportion_reached": if all > 0.0 { total.cover_m2 / all } else { 0.0 },
+            "growth_kg_per_year": stock(population, Food::Plant(s)).0,
+            "eaten_kg_per_year": stock(population, Food::Plant(s)).1,
+            "surplus_kg_per_year": stock(population, Food::Plant(s)).0 - stock(population, Food::Plant(s)).1,
             "why_empty": why,
         })
     };
     flora.totals.iter().enumerate().map(row).collect()
+}
+
+/// What grew of a food where animals go, and what was eaten of it, kg a year.
+fn stock(population: &Population, food: Food) -> (f64, f64) {
+    population.stocks.of(food).map_or((0.0, 0.0), |s| (s.growth_kg.iter().sum(), s.eaten_kg.iter().sum()))
+}
+
+/// Why an animal lives nowhere, as a sentence.
+fn nobody(absence: &fauna::Absence) -> String {
+    match absence {
+        fauna::Absence::NotWanted => "its proportion is 0".into(),
+        fauna::Absence::NoRegion => "no part of the terrain that is large enough is open to it".into(),
+        fauna::Absence::NoWater => "none of its regions holds water it can reach".into(),
+        fauna::Absence::NoRoom => "a group needs more room than any of its regions has".into(),
+        fauna::Absence::NoFood { needed_kg, found_kg } => format!(
+            "a group needs {needed_kg:.0} kg of food a year and its best region offers {found_kg:.0} in the leanest season"
+        ),
+        fauna::Absence::Displaced => "others took its food, or the proportions left it out".into(),
+    }
+}
+
+/// The animals' part of the summary, with warnings.
+fn animals(context: &mut JobContext<'_>, request: &Request, regions: &Regions, population: &Population) -> Vec<Value> {
+    let of_level = |level: usize| -> u64 {
+        let species = request.animals.species.iter().enumerate().filter(|(_, a)| a.level == level);
+        species.map(|(s, _)| population.total(s)).sum()
+    };
+    let asked = |animal: &AnimalSpecies| -> Option<f64> {
+        let level = request.animals.species.iter().filter(|a| a.level == animal.level);
+        Some(animal.target? / level.filter_map(|a| a.target).sum::<f64>())
+    };
+    let mut rows = Vec::new();
+    for (s, animal) in request.animals.species.iter().enumerate() {
+        let individuals = population.total(s);
+        let area_km2 = 1e-6 * (0..regions.count(s)).map(|r| regions.area_m2(s, r)).sum::<f64>();
+        let territories = population.rag.territories.iter().filter(|t| t.species == s && t.individuals() > 0);
+        let inhabited_km2 = 1e-6 * territories.clone().map(|t| regions.area_m2(s, t.region)).sum::<f64>();
+        let density = if area_km2 > 0.0 { individuals as f64 / area_km2 } else { 0.0 };
+        let why = population.absent[s].as_ref().map(nobody);
+        if let Some(why) = &why {
+            let message = format!("{} lives nowhere: {why}", animal.name);
+            context.warn(Warning::new(WarningCode::NotPlaced, format!("/animals/{s}"), message));
+        }
+        warn_of_density(context, request, s, density);
+        let level = of_level(animal.level);
+        let (births, eaten) = stock(population, Food::Animal(s));
+        rows.push(json!({
+            "species": animal.name,
+            "slug": slug(&animal.name),
+            "level": animal.level,
+            "individuals": individuals,
+            "herds": territories.map(|t| t.herds.len()).sum::<usize>(),
+            "accessible_km2": area_km2,
+            "inhabited_km2": inhabited_km2,
+            "individuals_per_km2": density,
+            "proportion_asked": asked(animal),
+            "proportion_reached": if level > 0 { individuals as f64 / level as f64 } else { 0.0 },
+            "young_kg_per_year": births,
+            "eaten_kg_per_year": eaten,
+            "surplus_kg_per_year": births - eaten,
+            "why_empty": why,
+        }));
+    }
+    rows
+}
+
+fn warn_of_density(context: &mut JobContext<'_>, request: &Request, s: usize, density: f64) {
+    let Some(habits) = request.animals.habits[s] else { return };
+    let Some(relative) = habits.density_per_km2.filter(|d| density > library::DENSEST * d) else { return };
+    let message = format!(
+        "{} lives at {density:.2} per km2, more than ten times the {relative} of {} ({})",
+        request.animals.species[s].name,
+        habits.relative,
+        library::DENSITIES
+    );
+    context.warn(Warning::new(WarningCode::DensityOutOfRange, format!("/animals/{s}"), message));
+}
+
+/// Carnivores weigh 0.3 to 3 % of their prey: bounds of the range found in large mammals by
+/// Carbone and Gittleman 2002 (Science 295:2273), about 1 %.
+const BIOMASS_RANGE: std::ops::RangeInclusive<f64> = 0.003..=0.03;
+
+/// Biomass by level, with a warning where carnivores are out of proportion with their prey.
+fn biomass(context: &mut JobContext<'_>, request: &Request, population: &Population) -> Value {
+    let animals = &request.animals.species;
+    let kg = |s: usize| population.total(s) as f64 * animals[s].mass_kg;
+    let is_carnivore = |a: &AnimalSpecies| a.diet.iter().any(|d| matches!(d.food, Food::Animal(_)));
+    let is_prey =
+        |s: usize| animals.iter().any(|a| a.diet.iter().any(|d| d.food == Food::Animal(s) && d.preference > 0.0));
+    let sum = |chosen: &dyn Fn(usize) -> bool| -> f64 { (0..animals.len()).filter(|s| chosen(*s)).map(kg).sum() };
+    let carnivores = sum(&|s| is_carnivore(&animals[s]));
+    let prey = sum(&|s| is_prey(s) && !is_carnivore(&animals[s]));
+    let ratio = if prey > 0.0 { carnivores / prey } else { 0.0 };
+    if carnivores > 0.0 && !BIOMASS_RANGE.contains(&ratio) {
+        let message = format!("carnivores weigh {:.2} % of their prey", 100.0 * ratio);
+        context.warn(Warning::new(WarningCode::BiomassOutOfRange, "/animals", message));
+    }
+    json!({"carnivores_kg": carnivores, "prey_kg": prey, "carnivores_per_prey": ratio})
+}
+
+fn plannings(context: &mut JobContext<'_>, days: &Days) {
+    let count = |of: &dyn Fn(&Reason) -> bool| days.plannings.warnings.iter().filter(|w| of(&w.reason)).count() as u64;
+    let kinds: [(&str, u64); 4] = [
+        ("waited because no node had room", count(&|r| matches!(r, Reason::Crowded(_)))),
+        ("found no node with room to rest", count(&|r| matches!(r, Reason::NoRoomToRest))),
+        ("did not reach something they need every day", count(&|r| matches!(r, Reason::Missed(_)))),
+        ("met no prey for a time", count(&|r| matches!(r, Reason::PreyOutOfReach(_)))),
+    ];
+    for (what, herds) in kinds.into_iter().filter(|(_, herds)| *herds > 0) {
+        let message = format!("herds {what}");
+        context.warn(Warning::new(WarningCode::HerdWaits, "/planning", message).with_count(herds));
+    }
 }

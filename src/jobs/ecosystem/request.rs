@@ -31,6 +31,7 @@ use crate::jobs::Hasher;
 use crate::jobs::Invalid;
 use crate::jobs::Sources;
 use crate::jobs::ecosystem::rasters;
+use crate::jobs::ecosystem::rasters::Levels;
 use crate::jobs::ecosystem::species;
 use crate::jobs::ecosystem::species::Animals;
 use crate::jobs::ecosystem::species::Plants;
@@ -63,8 +64,8 @@ pub struct Request {
     pub painted: Vec<(usize, Raster<f32>)>,
     /// Fords and way-points, in the terrain's frame.
     pub passages: Passages,
-    /// Biomes: name and plants.
-    pub biomes: Vec<(String, Vec<usize>)>,
+    /// The biomes.
+    pub biomes: Biomes,
     /// Digests of what stands behind the references, for the stages.
     pub digests: Digests,
     /// What readers should know of the inputs.
@@ -104,12 +105,21 @@ impl Request {
         let mut maps = Maps::new(land.height.grid, sources);
         let (water_depth, water) = maps.read(|m| m.one("/maps/water_depth_m", inputs.maps.water_depth_m.as_ref()));
         let (given, given_digest) = maps.read(|m| m.given(&inputs));
-        let (covers, painted) = maps.read(|m| (m.painted(&inputs), m.one("/maps/exclusion", inputs.maps.exclusion.as_ref())));
+        let (covers, painted) =
+            maps.read(|m| (m.painted(&inputs), m.one("/maps/exclusion", inputs.maps.exclusion.as_ref())));
         faults.extend(maps.faults);
         let passages = faults.keep(passages(&inputs.passages, &land.height.grid));
         // 4. All there, or all faults.
         match (plants, animals, biomes, climate, latitude_deg, passages, faults.errors.is_empty()) {
-            (Some(plants), Some(animals), Some(biomes), Some(mut climate), Some(latitude_deg), Some(passages), true) => {
+            (
+                Some(plants),
+                Some(animals),
+                Some(biomes),
+                Some(mut climate),
+                Some(latitude_deg),
+                Some(passages),
+                true,
+            ) => {
                 climate.latitude_deg = latitude_deg;
                 Ok(Self {
                     scales: scales(&inputs.competition),
@@ -188,30 +198,37 @@ fn needs(input: &CompetitionInput) -> Needs {
     }
 }
 
+/// Biomes by name, and which each plant belongs to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Biomes {
+    /// Their names, in order.
+    pub names: Vec<String>,
+    /// The biome of each plant; the number of names for none.
+    pub of: Vec<usize>,
+}
+
 /// The biomes of the request, or those that the plants name.
-fn biomes(inputs: &EcosystemInputs, plants: &Plants) -> Result<Vec<(String, Vec<usize>)>, Invalid> {
+fn biomes(inputs: &EcosystemInputs, plants: &Plants) -> Result<Biomes, Invalid> {
     if inputs.biomes.is_empty() {
-        let mut names: Vec<&String> = plants.biomes.iter().filter(|name| !name.is_empty()).collect();
+        let mut names: Vec<String> = plants.biomes.iter().filter(|name| !name.is_empty()).cloned().collect();
         names.sort();
         names.dedup();
-        let members = |name: &String| (0..plants.biomes.len()).filter(|i| plants.biomes[*i] == *name).collect();
-        return Ok(names.into_iter().map(|name| (name.clone(), members(name))).collect());
+        let place = |biome: &String| names.iter().position(|name| name == biome).unwrap_or(names.len());
+        return Ok(Biomes { of: plants.biomes.iter().map(place).collect(), names });
     }
-    let (mut named, mut faults) = (Vec::new(), Invalid::default());
-    for (name, members) in &inputs.biomes {
-        let mut indices = Vec::new();
+    let names: Vec<String> = inputs.biomes.keys().cloned().collect();
+    let (mut of, mut faults) = (vec![names.len(); plants.species.len()], Invalid::default());
+    for (biome, (name, members)) in inputs.biomes.iter().enumerate() {
         for (k, member) in members.iter().enumerate() {
+            let pointer = format!("/biomes/{}/{k}", name.replace('~', "~0").replace('/', "~1"));
             match plants.species.iter().position(|s| s.name == *member) {
-                Some(i) => indices.push(i),
-                None => {
-                    let pointer = format!("/biomes/{}/{k}", name.replace('~', "~0").replace('/', "~1"));
-                    faults.push(pointer, ErrorCode::UnknownSpecies, "a plant of the request", member);
-                }
+                Some(i) if of[i] == names.len() => of[i] = biome,
+                Some(_) => faults.push(pointer, ErrorCode::DuplicateSpecies, "a plant in one biome only", member),
+                None => faults.push(pointer, ErrorCode::UnknownSpecies, "a plant of the request", member),
             }
         }
-        named.push((name.clone(), indices));
     }
-    faults.into_result().map(|()| named)
+    faults.into_result().map(|()| Biomes { names, of })
 }
 
 fn passages(input: &PassagesInput, grid: &Grid) -> Result<Passages, Invalid> {
@@ -220,17 +237,21 @@ fn passages(input: &PassagesInput, grid: &Grid) -> Result<Passages, Invalid> {
         let place = |(i, p): (usize, &PlaceInput)| faults.keep(place(&format!("{pointer}/{i}"), p, grid));
         inputs.iter().enumerate().filter_map(place).collect()
     };
-    let passages =
-        Passages { fords: places("/passages/fords", &input.fords), waypoints: places("/passages/waypoints", &input.waypoints) };
+    let passages = Passages {
+        fords: places("/passages/fords", &input.fords),
+        waypoints: places("/passages/waypoints", &input.waypoints),
+    };
     faults.into_result().map(|()| passages)
 }
 
 fn place(pointer: &str, input: &PlaceInput, grid: &Grid) -> Result<Place, Invalid> {
-    let corner = Point::new(grid.width as f64 * grid.cell_m, grid.height as f64 * grid.cell_m);
+    let extent = Point::new(grid.width as f64 * grid.cell_m, grid.height as f64 * grid.cell_m);
+    let bounds = Bounds::new(grid.origin, grid.origin + extent);
     let centre = Point::new(input.x, input.y);
     let radius_m = input.radius_m.unwrap_or(1.5 * grid.cell_m);
-    if !Bounds::new(Point::default(), corner).contains(centre) {
-        let expected = format!("a place on the terrain, which is {} m wide and {} m high", corner.x, corner.y);
+    if !bounds.contains(centre) {
+        let Bounds { min, max } = bounds;
+        let expected = format!("a place on the terrain: x {} to {}, y {} to {}", min.x, max.x, min.y, max.y);
         return Err(Invalid::new(pointer, ErrorCode::OutOfRange, expected, format!("({}, {})", input.x, input.y)));
     }
     if radius_m <= 0.0 {
@@ -259,7 +280,11 @@ impl<'a> Maps<'a> {
     }
 
     fn one(&mut self, pointer: &str, reference: Option<&Reference>) -> Option<Raster<f32>> {
-        let map = self.faults.keep(rasters::map(pointer, reference?, &self.grid, self.sources))?;
+        self.read_as(pointer, (reference?, Levels::Shares))
+    }
+
+    fn read_as(&mut self, pointer: &str, what: (&Reference, Levels)) -> Option<Raster<f32>> {
+        let map = self.faults.keep(rasters::map(pointer, what, &self.grid, self.sources))?;
         let hasher = std::mem::replace(&mut self.hasher, Hasher::new());
         self.hasher = hasher.part(pointer, map.digest.to_string().as_bytes());
         Some(map.raster)
@@ -274,9 +299,8 @@ impl<'a> Maps<'a> {
                 Some(MonthlyMap::Shifted { base, offset: [0.0; MONTHS] })
             }
             months if months.len() == MONTHS => {
-                let maps: Vec<Raster<f32>> = (0..MONTHS)
-                    .filter_map(|m| self.one(&format!("{pointer}/{m}"), months.get(m)))
-                    .collect();
+                let maps: Vec<Raster<f32>> =
+                    (0..MONTHS).filter_map(|m| self.one(&format!("{pointer}/{m}"), months.get(m))).collect();
                 (maps.len() == MONTHS).then_some(MonthlyMap::Maps(maps))
             }
             other => {
@@ -299,7 +323,7 @@ impl<'a> Maps<'a> {
     }
 
     fn soil(&mut self, reference: Option<&Reference>) -> Option<Raster<u8>> {
-        let map = self.one("/maps/soil", reference)?;
+        let map = self.read_as("/maps/soil", (reference?, Levels::Codes))?;
         match map.data.iter().find(|v| !(v.is_nan() || [0.0, 1.0, 2.0, 3.0, 4.0].contains(*v))) {
             None => Some(map.map(|v| if v.is_nan() { u8::MAX } else { v as u8 })),
             Some(odd) => {

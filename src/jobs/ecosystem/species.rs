@@ -23,6 +23,7 @@ use crate::compute::ecosystem::species::PlantSpecies;
 use crate::compute::ecosystem::species::Stratum;
 use crate::jobs::Invalid;
 use crate::jobs::ecosystem::library;
+use crate::jobs::ecosystem::library::Habits;
 use crate::jobs::ecosystem::library::Row;
 
 const DAYS_PER_YEAR: f64 = 365.25;
@@ -58,16 +59,17 @@ pub struct Plants {
 pub struct Animals {
     /// The species, in the order of the request.
     pub species: Vec<AnimalSpecies>,
-    /// The living relative that the library takes habits from; empty when none is known.
-    pub relatives: Vec<&'static str>,
+    /// The habits that the library knows, after a living relative.
+    pub habits: Vec<Option<&'static Habits>>,
+    /// The most individuals per km² that each bears beside its own kind; infinite for no bound.
+    pub max_density_per_km2: Vec<f64>,
     /// Where each number comes from.
     pub origins: Vec<Origin>,
 }
 
 /// A name as it stands in output ids: lower case, everything else than letters and digits a dash.
 pub fn slug(name: &str) -> String {
-    let dashed: String =
-        name.to_lowercase().chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+    let dashed: String = name.to_lowercase().chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
     dashed.split('-').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("-")
 }
 
@@ -182,7 +184,12 @@ fn plant(input: &PlantInput, known: Option<&'static Row>, origins: &mut Origins)
     };
     if species.illumination.consumption <= 0.0 {
         let pointer = format!("{}/illumination/use", origins.pointer);
-        origins.faults.push(pointer, ErrorCode::OutOfRange, "a light use above 0, for it says how much a unit covers", 0);
+        origins.faults.push(
+            pointer,
+            ErrorCode::OutOfRange,
+            "a light use above 0, for it says how much a unit covers",
+            0,
+        );
     }
     let biome = input.biome.clone().or_else(|| known.map(|row| row.text("biome").to_owned())).unwrap_or_default();
     (species, biome)
@@ -232,7 +239,12 @@ const SCALE: std::ops::RangeInclusive<f64> = 0.0..=12.0;
 fn check_range(field: &str, need: &NeedInput, origins: &mut Origins) {
     let pointer = format!("{}/{field}", origins.pointer);
     if need.min > need.max {
-        origins.faults.push(pointer, ErrorCode::Inconsistent, "min not above max", format!("{} to {}", need.min, need.max));
+        origins.faults.push(
+            pointer,
+            ErrorCode::Inconsistent,
+            "min not above max",
+            format!("{} to {}", need.min, need.max),
+        );
     } else if !SCALE.contains(&need.min) || !SCALE.contains(&need.max) {
         let found = format!("{} to {}", need.min, need.max);
         origins.faults.push(pointer, ErrorCode::OutOfRange, "a range on the scale 1 to 9", found);
@@ -261,7 +273,8 @@ fn viability(given: Option<ViabilityInput>, known: Option<&'static Row>, origins
 
 /// Makes species of the animals of a request, which eat `plants` and each other.
 pub fn animals(inputs: &[AnimalInput], plants: &Plants) -> Result<Animals, Invalid> {
-    let mut animals = Animals { species: Vec::new(), relatives: Vec::new(), origins: Vec::new() };
+    let mut animals =
+        Animals { species: Vec::new(), habits: Vec::new(), max_density_per_km2: Vec::new(), origins: Vec::new() };
     let mut faults = Invalid::default();
     faults.extend(duplicates("/animals", inputs.iter().map(|a| a.species.as_str())));
     for (i, input) in inputs.iter().enumerate() {
@@ -274,7 +287,8 @@ pub fn animals(inputs: &[AnimalInput], plants: &Plants) -> Result<Animals, Inval
         let mut origins = Origins::new(&input.species, pointer, &input.sources);
         let diet = diet(input, inputs, plants, &mut origins);
         animals.species.push(animal(input, known, diet, &mut origins));
-        animals.relatives.push(library::habits(&input.species).map_or("", |h| h.relative));
+        animals.habits.push(library::habits(&input.species));
+        animals.max_density_per_km2.push(max_density(input, &mut origins));
         faults.extend(origins.faults);
         animals.origins.extend(origins.origins);
     }
@@ -289,7 +303,12 @@ pub fn animals(inputs: &[AnimalInput], plants: &Plants) -> Result<Animals, Inval
     faults.into_result().map(|()| animals)
 }
 
-fn animal(input: &AnimalInput, known: Option<&'static Row>, diet: Vec<DietItem>, origins: &mut Origins) -> AnimalSpecies {
+fn animal(
+    input: &AnimalInput,
+    known: Option<&'static Row>,
+    diet: Vec<DietItem>,
+    origins: &mut Origins,
+) -> AnimalSpecies {
     let listed = |column: &str| known.and_then(|row| row.number(column)).map(|v| (v, library::TABLE_A2));
     let middle = listed("mass_min_kg").zip(listed("mass_max_kg")).map(|(a, b)| (0.5 * (a.0 + b.0), library::TABLE_A2));
     let mass_kg = origins.number("mass_kg", input.mass_kg, middle);
@@ -302,7 +321,8 @@ fn animal(input: &AnimalInput, known: Option<&'static Row>, diet: Vec<DietItem>,
         origins.faults.push(pointer, ErrorCode::Inconsistent, expected, group_min);
     }
     let eats_animals = diet.iter().any(|item| matches!(item.food, Food::Animal(_)));
-    let intake = origins.estimate("food_kg_per_day", input.food_kg_per_day, || allometry::food_kg_per_day(mass_kg, eats_animals));
+    let intake = origins
+        .estimate("food_kg_per_day", input.food_kg_per_day, || allometry::food_kg_per_day(mass_kg, eats_animals));
     origins.positive("food_kg_per_day", intake);
     AnimalSpecies {
         name: input.species.clone(),
@@ -313,12 +333,30 @@ fn animal(input: &AnimalInput, known: Option<&'static Row>, diet: Vec<DietItem>,
         diet,
         food_kg_per_year: intake * DAYS_PER_YEAR,
         needs_water: input.needs_water.unwrap_or(true),
-        growth_per_year: origins.estimate("growth_per_year", input.growth_per_year, || allometry::growth_per_year(mass_kg)),
+        growth_per_year: origins
+            .estimate("growth_per_year", input.growth_per_year, || allometry::growth_per_year(mass_kg)),
         offtake: origins.estimate("offtake", input.offtake, allometry::birth_offtake),
         mobility: mobility(input, mass_kg, origins),
         active_from_s: 3600.0 * origins.estimate("active_from_h", input.active_from_h, allometry::active_from_h),
         active_s: 3600.0 * origins.estimate("active_h", input.active_h, allometry::active_h),
         target: input.proportion,
+    }
+}
+
+fn max_density(input: &AnimalInput, origins: &mut Origins) -> f64 {
+    let known = library::habits(&input.species).and_then(|h| Some((h.relative, h.density_per_km2?)));
+    match (input.max_density_per_km2, known) {
+        (Some(most), _) => {
+            origins.from_request("max_density_per_km2", most);
+            most
+        }
+        (None, Some((relative, density))) => {
+            let most = library::DENSEST * density;
+            let source = format!("ten times that of {relative}, {density} per km2, {}", library::DENSITIES);
+            origins.note("max_density_per_km2", most, &source, true);
+            most
+        }
+        (None, None) => f64::INFINITY,
     }
 }
 
@@ -329,8 +367,12 @@ fn mobility(input: &AnimalInput, mass_kg: f64, origins: &mut Origins) -> Mobilit
     let radians = |degrees: f64| degrees.to_radians().tan();
     let mobility = Mobility {
         speed_m_per_s: origins.estimate("speed_m_per_s", input.speed_m_per_s, || allometry::speed_m_per_s(mass_kg)),
-        max_slope_up: radians(origins.estimate("max_slope_up_deg", input.max_slope_up_deg, || allometry::max_slope_up_deg(agility))),
-        max_slope_down: radians(origins.estimate("max_slope_down_deg", input.max_slope_down_deg, || allometry::max_slope_down_deg(agility))),
+        max_slope_up: radians(
+            origins.estimate("max_slope_up_deg", input.max_slope_up_deg, || allometry::max_slope_up_deg(agility)),
+        ),
+        max_slope_down: radians(
+            origins.estimate("max_slope_down_deg", input.max_slope_down_deg, || allometry::max_slope_down_deg(agility)),
+        ),
         ford_depth_m: origins.estimate("ford_depth_m", input.ford_depth_m, || allometry::ford_depth_m(mass_kg)),
         max_tree_cover: origins.estimate("max_tree_cover", input.max_tree_cover, || allometry::max_tree_cover(ground)),
     };
@@ -379,9 +421,8 @@ fn foods(food: &str, preference: f64, all: &[AnimalInput], plants: &Plants) -> V
         let eaten = stratum.map_or(s.name == food, |stratum| s.stratum == stratum);
         eaten.then_some(DietItem { food: Food::Plant(i), preference })
     };
-    let animal = |(i, a): (usize, &AnimalInput)| {
-        (a.species == food).then_some(DietItem { food: Food::Animal(i), preference })
-    };
+    let animal =
+        |(i, a): (usize, &AnimalInput)| (a.species == food).then_some(DietItem { food: Food::Animal(i), preference });
     plants.species.iter().enumerate().filter_map(plant).chain(all.iter().enumerate().filter_map(animal)).collect()
 }
 

@@ -6,16 +6,40 @@ use bytes::Bytes;
 use crate::codec::binary;
 use crate::codec::binary::Reader;
 use crate::codec::binary::Writer;
+use crate::compute::ecosystem::fauna;
+use crate::compute::ecosystem::fauna::Population;
+use crate::compute::ecosystem::fauna::Stock;
+use crate::compute::ecosystem::fauna::Stocks;
 use crate::compute::ecosystem::fitness::Fitness;
 use crate::compute::ecosystem::fitness::Met;
 use crate::compute::ecosystem::flora::Absence;
 use crate::compute::ecosystem::flora::Crowded;
 use crate::compute::ecosystem::flora::Flora;
+use crate::compute::ecosystem::flora::Painted;
 use crate::compute::ecosystem::flora::Reached;
+use crate::compute::ecosystem::flora::Shortfall;
 use crate::compute::ecosystem::flora::Total;
+use crate::compute::ecosystem::planning;
+use crate::compute::ecosystem::planning::Activity;
+use crate::compute::ecosystem::planning::Herd;
+use crate::compute::ecosystem::planning::Planning;
+use crate::compute::ecosystem::planning::Plannings;
+use crate::compute::ecosystem::planning::Reason;
+use crate::compute::ecosystem::planning::Track;
+use crate::compute::ecosystem::planning::Visit;
+use crate::compute::ecosystem::rag::Area;
+use crate::compute::ecosystem::rag::Node;
+use crate::compute::ecosystem::rag::Rag;
+use crate::compute::ecosystem::rag::Resource;
+use crate::compute::ecosystem::rag::Territory;
+use crate::compute::ecosystem::regions::Regions;
 use crate::compute::ecosystem::resources::MONTHS;
 use crate::compute::ecosystem::resources::MonthlyMap;
 use crate::compute::ecosystem::resources::Resources;
+use crate::compute::ecosystem::species::Food;
+use crate::compute::ecosystem::trails::Stretch;
+use crate::compute::ecosystem::trails::Trail;
+use crate::compute::ecosystem::trails::Trails;
 use crate::compute::ecosystem::water::Water;
 use crate::compute::geometry::Point;
 use crate::compute::raster::Grid;
@@ -23,6 +47,9 @@ use crate::compute::raster::Raster;
 use crate::jobs::Failure;
 use crate::jobs::JobContext;
 use crate::jobs::Stage;
+use crate::jobs::ecosystem::chain::Days;
+use crate::jobs::ecosystem::chain::Grown;
+use crate::jobs::ecosystem::chain::Times;
 
 /// Version of the whole stored form.
 const VERSION: u16 = 1;
@@ -94,6 +121,7 @@ rasters! {
     write_f32 read_f32 f32s f32;
     write_u8 read_u8 u8s u8;
     write_u16 read_u16 u16s u16;
+    write_u32 read_u32 u32s u32;
 }
 
 /// A list whose items write themselves by a function of no return value.
@@ -278,27 +306,325 @@ fn read_reached(r: &mut Reader<'_>) -> Result<Reached, binary::Error> {
     })
 }
 
-impl Stored for Flora {
+fn write_flora(w: &mut Writer, flora: &Flora) {
+    write_all(w, &flora.covers, write_u16);
+    write_f32(w, &flora.left_light);
+    write_f32(w, &flora.left_moisture);
+    write_all(w, &flora.totals, write_total);
+    w.bool(flora.reached.is_some());
+    if let Some(reached) = &flora.reached {
+        write_reached(w, reached);
+    }
+}
+
+fn read_flora(r: &mut Reader<'_>) -> Result<Flora, binary::Error> {
+    Ok(Flora {
+        covers: r.list(read_u16)?,
+        left_light: read_f32(r)?,
+        left_moisture: read_f32(r)?,
+        totals: r.list(read_total)?,
+        reached: r.option(read_reached)?,
+    })
+}
+
+fn write_painted(w: &mut Writer, (species, painted): &(usize, Painted)) {
+    w.u64(*species as u64).f64(painted.lowered_m2).f64(painted.raised_m2);
+    w.option(painted.shortfall.as_ref(), |w, s| w.u64(s.cells).f64(s.area_m2).u64(s.worst_cell as u64).f32(s.worst));
+}
+
+fn read_painted(r: &mut Reader<'_>) -> Result<(usize, Painted), binary::Error> {
+    let species = r.u64()? as usize;
+    let (lowered_m2, raised_m2) = (r.f64()?, r.f64()?);
+    let shortfall = r.option(|r| {
+        Ok(Shortfall { cells: r.u64()?, area_m2: r.f64()?, worst_cell: r.u64()? as usize, worst: r.f32()? })
+    })?;
+    Ok((species, Painted { lowered_m2, raised_m2, shortfall }))
+}
+
+impl Stored for Grown {
     const KIND: [u8; 4] = *b"EFLO";
 
     fn write(&self, w: &mut Writer) {
-        write_all(w, &self.covers, write_u16);
-        write_f32(w, &self.left_light);
-        write_f32(w, &self.left_moisture);
-        write_all(w, &self.totals, write_total);
-        w.bool(self.reached.is_some());
-        if let Some(reached) = &self.reached {
-            write_reached(w, reached);
-        }
+        write_flora(w, &self.flora);
+        write_all(w, &self.painted, write_painted);
+    }
+
+    fn read(r: &mut Reader<'_>) -> Result<Self, binary::Error> {
+        Ok(Self { flora: read_flora(r)?, painted: r.list(read_painted)? })
+    }
+}
+
+impl Stored for Regions {
+    const KIND: [u8; 4] = *b"EREG";
+
+    fn write(&self, w: &mut Writer) {
+        write_u32(w, &self.part);
+        w.u32s(&self.part_cells);
+        write_all(w, &self.region_of_part, |w, regions| {
+            w.list(regions, |w, region| w.option(region.as_ref(), |w, r| w.u32(*r)));
+        });
+        write_all(w, &self.region_cells, |w, cells| {
+            w.u32s(cells);
+        });
     }
 
     fn read(r: &mut Reader<'_>) -> Result<Self, binary::Error> {
         Ok(Self {
-            covers: r.list(read_u16)?,
-            left_light: read_f32(r)?,
-            left_moisture: read_f32(r)?,
-            totals: r.list(read_total)?,
-            reached: r.option(read_reached)?,
+            part: read_u32(r)?,
+            part_cells: r.u32s()?,
+            region_of_part: r.list(|r| r.list(|r| r.option(Reader::u32)))?,
+            region_cells: r.list(Reader::u32s)?,
         })
+    }
+}
+
+fn write_resource(w: &mut Writer, resource: Resource) {
+    match resource {
+        Resource::Water => w.u8(0).u64(0),
+        Resource::Food(Food::Plant(i)) => w.u8(1).u64(i as u64),
+        Resource::Food(Food::Animal(i)) => w.u8(2).u64(i as u64),
+    };
+}
+
+fn read_resource(r: &mut Reader<'_>) -> Result<Resource, binary::Error> {
+    let (kind, index) = (r.u8()?, r.u64()? as usize);
+    match kind {
+        0 => Ok(Resource::Water),
+        1 => Ok(Resource::Food(Food::Plant(index))),
+        2 => Ok(Resource::Food(Food::Animal(index))),
+        _ => Err(binary::Error::Corrupt("an unknown kind of resource")),
+    }
+}
+
+fn write_node(w: &mut Writer, node: &Node) {
+    w.u64(node.level as u64).u64(node.cell as u64).f64(node.place.x).f64(node.place.y);
+    w.f64(node.area_m2).f64(node.quantity_kg);
+    write_resource(w, node.resource);
+    let (first, length): (Vec<u32>, Vec<u32>) = node.area.runs.iter().copied().unzip();
+    w.u32s(&first).u32s(&length);
+    write_indices(w, &node.below);
+}
+
+fn read_node(r: &mut Reader<'_>) -> Result<Node, binary::Error> {
+    let (level, cell) = (r.u64()? as usize, r.u64()? as usize);
+    let place = Point::new(r.f64()?, r.f64()?);
+    let (area_m2, quantity_kg) = (r.f64()?, r.f64()?);
+    let resource = read_resource(r)?;
+    let area = Area { runs: r.u32s()?.into_iter().zip(r.u32s()?).collect() };
+    Ok(Node { level, resource, area, cell, place, area_m2, quantity_kg, below: read_indices(r)? })
+}
+
+fn write_territory(w: &mut Writer, t: &Territory) {
+    w.u64(t.species as u64).u64(t.region as u64).f32s(&t.times_s).u32s(&t.herds);
+    write_indices(w, &t.nodes);
+}
+
+fn read_territory(r: &mut Reader<'_>) -> Result<Territory, binary::Error> {
+    let (species, region) = (r.u64()? as usize, r.u64()? as usize);
+    let (times_s, herds) = (r.f32s()?, r.u32s()?);
+    Ok(Territory { species, region, times_s, herds, nodes: read_indices(r)? })
+}
+
+fn write_stock(w: &mut Writer, stock: &Stock) {
+    w.f64(stock.offtake).f64s(&stock.growth_kg).f64s(&stock.eaten_kg);
+}
+
+fn read_stock(r: &mut Reader<'_>) -> Result<Stock, binary::Error> {
+    Ok(Stock { offtake: r.f64()?, growth_kg: r.f64s()?, eaten_kg: r.f64s()? })
+}
+
+fn write_nobody(w: &mut Writer, absence: &fauna::Absence) {
+    match absence {
+        fauna::Absence::NotWanted => w.u8(0),
+        fauna::Absence::NoRegion => w.u8(1),
+        fauna::Absence::NoWater => w.u8(2),
+        fauna::Absence::NoRoom => w.u8(3),
+        fauna::Absence::NoFood { needed_kg, found_kg } => w.u8(4).f64(*needed_kg).f64(*found_kg),
+        fauna::Absence::Displaced => w.u8(5),
+    };
+}
+
+fn read_nobody(r: &mut Reader<'_>) -> Result<fauna::Absence, binary::Error> {
+    Ok(match r.u8()? {
+        0 => fauna::Absence::NotWanted,
+        1 => fauna::Absence::NoRegion,
+        2 => fauna::Absence::NoWater,
+        3 => fauna::Absence::NoRoom,
+        4 => fauna::Absence::NoFood { needed_kg: r.f64()?, found_kg: r.f64()? },
+        5 => fauna::Absence::Displaced,
+        _ => return Err(binary::Error::Corrupt("an unknown reason of absence")),
+    })
+}
+
+impl Stored for Population {
+    const KIND: [u8; 4] = *b"EPOP";
+
+    fn write(&self, w: &mut Writer) {
+        write_all(w, &self.rag.nodes, write_node);
+        write_all(w, &self.rag.territories, write_territory);
+        write_all(w, &self.stocks.plants, write_stock);
+        write_all(w, &self.stocks.animals, write_stock);
+        write_all(w, &self.absent, |w, absent| {
+            w.bool(absent.is_some());
+            absent.iter().for_each(|reason| write_nobody(w, reason));
+        });
+    }
+
+    fn read(r: &mut Reader<'_>) -> Result<Self, binary::Error> {
+        let rag = Rag { nodes: r.list(read_node)?, territories: r.list(read_territory)? };
+        let stocks = Stocks { plants: r.list(read_stock)?, animals: r.list(read_stock)? };
+        Ok(Self { rag, stocks, absent: r.list(|r| r.option(read_nobody))? })
+    }
+}
+
+impl Stored for Times {
+    const KIND: [u8; 4] = *b"ETIM";
+
+    fn write(&self, w: &mut Writer) {
+        write_all(w, &self.0, |w, times| {
+            w.f32s(times);
+        });
+    }
+
+    fn read(r: &mut Reader<'_>) -> Result<Self, binary::Error> {
+        Ok(Self(r.list(Reader::f32s)?))
+    }
+}
+
+fn write_points(w: &mut Writer, points: &[Point]) {
+    w.f64s(&points.iter().map(|p| p.x).collect::<Vec<_>>()).f64s(&points.iter().map(|p| p.y).collect::<Vec<_>>());
+}
+
+fn read_points(r: &mut Reader<'_>) -> Result<Vec<Point>, binary::Error> {
+    let (x, y) = (r.f64s()?, r.f64s()?);
+    if x.len() == y.len() {
+        Ok(x.into_iter().zip(y).map(|(x, y)| Point::new(x, y)).collect())
+    } else {
+        Err(binary::Error::Corrupt("a line has more of one coordinate than of the other"))
+    }
+}
+
+fn write_stretch(w: &mut Writer, s: &Stretch) {
+    w.u64(*s.points.start() as u64).u64(*s.points.end() as u64);
+    w.f64(s.kg_per_year).f64(s.width_m).f64(s.depth_m);
+    w.list(&s.species, |w, (species, share)| w.u64(*species as u64).f64(*share));
+}
+
+fn read_stretch(r: &mut Reader<'_>) -> Result<Stretch, binary::Error> {
+    let points = r.u64()? as usize..=r.u64()? as usize;
+    let (kg_per_year, width_m, depth_m) = (r.f64()?, r.f64()?, r.f64()?);
+    let species = r.list(|r| Ok((r.u64()? as usize, r.f64()?)))?;
+    Ok(Stretch { points, kg_per_year, species, width_m, depth_m })
+}
+
+impl Stored for Trails {
+    const KIND: [u8; 4] = *b"ETRA";
+
+    fn write(&self, w: &mut Writer) {
+        write_all(w, &self.lines, |w, trail| {
+            write_points(w, &trail.points);
+            write_all(w, &trail.stretches, write_stretch);
+        });
+        for map in [&self.usage, &self.worn, &self.carving_m] {
+            write_f32(w, map);
+        }
+        w.f64(self.kept_share);
+    }
+
+    fn read(r: &mut Reader<'_>) -> Result<Self, binary::Error> {
+        let lines = r.list(|r| Ok(Trail { points: read_points(r)?, stretches: r.list(read_stretch)? }))?;
+        let (usage, worn, carving_m) = (read_f32(r)?, read_f32(r)?, read_f32(r)?);
+        Ok(Self { lines, usage, worn, carving_m, kept_share: r.f64()? })
+    }
+}
+
+const ACTIVITIES: [Activity; 5] = [Activity::Drink, Activity::Feed, Activity::Hunt, Activity::Rest, Activity::Wait];
+
+fn write_activity(w: &mut Writer, activity: Activity) {
+    w.u8(ACTIVITIES.iter().position(|a| *a == activity).unwrap_or(0) as u8);
+}
+
+fn read_activity(r: &mut Reader<'_>) -> Result<Activity, binary::Error> {
+    let code = usize::from(r.u8()?);
+    ACTIVITIES.get(code).copied().ok_or(binary::Error::Corrupt("an unknown activity"))
+}
+
+fn write_herd(w: &mut Writer, h: &Herd) {
+    w.u64(h.species as u64).u64(h.territory as u64).u64(h.region as u64).u64(h.number as u64).u32(h.size);
+}
+
+fn read_herd(r: &mut Reader<'_>) -> Result<Herd, binary::Error> {
+    let (species, territory) = (r.u64()? as usize, r.u64()? as usize);
+    let (region, number) = (r.u64()? as usize, r.u64()? as usize);
+    Ok(Herd { species, territory, region, number, size: r.u32()? })
+}
+
+fn write_visit(w: &mut Writer, v: &Visit) {
+    w.u64(v.node as u64).u64(v.cell as u64).f64(v.arrive_s).f64(v.leave_s);
+    write_activity(w, v.activity);
+    w.option(v.prey.as_ref(), |w, prey| w.u64(*prey as u64));
+}
+
+fn read_visit(r: &mut Reader<'_>) -> Result<Visit, binary::Error> {
+    let (node, cell) = (r.u64()? as usize, r.u64()? as usize);
+    let (arrive_s, leave_s) = (r.f64()?, r.f64()?);
+    let activity = read_activity(r)?;
+    Ok(Visit { node, cell, arrive_s, leave_s, activity, prey: r.option(|r| Ok(r.u64()? as usize))? })
+}
+
+fn write_reason(w: &mut Writer, reason: &Reason) {
+    match reason {
+        Reason::Crowded(seconds) => {
+            w.u8(0).f64(*seconds);
+        }
+        Reason::NoRoomToRest => {
+            w.u8(1);
+        }
+        Reason::Missed(activity) => {
+            w.u8(2);
+            write_activity(w, *activity);
+        }
+        Reason::PreyOutOfReach(seconds) => {
+            w.u8(3).f64(*seconds);
+        }
+    }
+}
+
+fn read_reason(r: &mut Reader<'_>) -> Result<Reason, binary::Error> {
+    match r.u8()? {
+        0 => Ok(Reason::Crowded(r.f64()?)),
+        1 => Ok(Reason::NoRoomToRest),
+        2 => Ok(Reason::Missed(read_activity(r)?)),
+        3 => Ok(Reason::PreyOutOfReach(r.f64()?)),
+        _ => Err(binary::Error::Corrupt("an unknown reason")),
+    }
+}
+
+impl Stored for Days {
+    const KIND: [u8; 4] = *b"EDAY";
+
+    fn write(&self, w: &mut Writer) {
+        let Plannings { herds, days, warnings } = &self.plannings;
+        write_all(w, herds, write_herd);
+        write_all(w, days, |w, day| write_all(w, &day.visits, write_visit));
+        write_all(w, warnings, |w, warning| {
+            w.u64(warning.herd as u64);
+            write_reason(w, &warning.reason);
+        });
+        write_all(w, &self.tracks, |w, track| {
+            w.u64(track.herd as u64).f64(track.from_s).f64(track.step_s).f32s(&track.heights_m);
+            write_points(w, &track.places);
+        });
+    }
+
+    fn read(r: &mut Reader<'_>) -> Result<Self, binary::Error> {
+        let herds = r.list(read_herd)?;
+        let days = r.list(|r| Ok(Planning { visits: r.list(read_visit)? }))?;
+        let warnings = r.list(|r| Ok(planning::Warning { herd: r.u64()? as usize, reason: read_reason(r)? }))?;
+        let tracks = r.list(|r| {
+            let (herd, from_s, step_s, heights_m) = (r.u64()? as usize, r.f64()?, r.f64()?, r.f32s()?);
+            Ok(Track { herd, from_s, step_s, heights_m, places: read_points(r)? })
+        })?;
+        Ok(Self { plannings: Plannings { herds, days, warnings }, tracks })
     }
 }

@@ -51,8 +51,8 @@ impl Stock {
 /// The stocks of all foods: plants, then animals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stocks {
-    plants: Vec<Stock>,
-    animals: Vec<Stock>,
+    pub(crate) plants: Vec<Stock>,
+    pub(crate) animals: Vec<Stock>,
 }
 
 impl Stocks {

@@ -58,7 +58,7 @@ pub struct Regions {
     /// Cells of each part.
     pub part_cells: Vec<u32>,
     /// The region of each species (second index) that holds the part (first index).
-    region_of_part: Vec<Vec<Option<u32>>>,
+    pub(crate) region_of_part: Vec<Vec<Option<u32>>>,
     /// Cells of each region (second index) of each species (first index).
     pub region_cells: Vec<Vec<u32>>,
 }
