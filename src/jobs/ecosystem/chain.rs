@@ -1,6 +1,8 @@
 //! The stages of a solve, each memoised under the digest of what it depends on, so that an edit
 //! runs only what it touches.
 
+use std::cell::OnceCell;
+
 use serde::Serialize;
 
 use crate::compute::ecosystem::fauna;
@@ -35,9 +37,11 @@ use crate::compute::ecosystem::terrain::Terrain;
 use crate::compute::ecosystem::trails;
 use crate::compute::ecosystem::trails::Trails;
 use crate::compute::ecosystem::travel::Travel;
+use crate::compute::ecosystem::travel::TravelOptions;
 use crate::compute::ecosystem::water::Water;
 use crate::compute::ecosystem::water::WaterRules;
 use crate::compute::raster::Raster;
+use crate::compute::run::Run;
 use crate::jobs::Digest;
 use crate::jobs::Failure;
 use crate::jobs::Hasher;
@@ -183,9 +187,9 @@ impl Chain {
     pub fn animals(
         context: &JobContext<'_>,
         request: &Request,
-        (land, plants, country): (&Land, &Vegetation, &Country),
+        (land, plants, roads): (&Land, &Vegetation, &Roads<'_>),
     ) -> Result<Wildlife, Failure> {
-        let animals = &request.animals.species;
+        let (animals, country) = (&request.animals.species, roads.country);
         let parameters = (&request.inputs.animals, &request.inputs.competition, &request.inputs.climate, context.seed);
         let inputs = digest(&[&country.digest], &parameters)?;
         let key = Stage { name: "animals.competition", version: 1, inputs };
@@ -203,7 +207,7 @@ impl Chain {
         let key = Stage { name: "animals.travel", version: 1, inputs: digest(&[&key.digest()], &())? };
         let times = stage(context, key, || {
             let mut rag = population.rag.clone();
-            travel(request, (land, country)).fill_times(&mut rag, &context.run)?;
+            roads.travel(&context.run)?.fill_times(&mut rag, &context.run)?;
             Ok(Times(rag.territories.into_iter().map(|t| t.times_s).collect()))
         })?;
         let mut population = population;
@@ -217,15 +221,14 @@ impl Chain {
     pub fn trails(
         context: &JobContext<'_>,
         request: &Request,
-        (land, country): (&Land, &Country),
+        roads: &Roads<'_>,
         wildlife: &Wildlife,
     ) -> Result<Trails, Failure> {
         let parameters = (&request.inputs.trails, context.seed);
         let key = Stage { name: "trails", version: 1, inputs: digest(&[&wildlife.digest], &parameters)? };
         stage(context, key, || {
-            let travel = travel(request, (land, country));
-            let options = trails_options(context, request);
-            Ok(trails::trails(&habitat(request, wildlife, &travel), &options, &context.run)?)
+            let habitat = habitat(request, wildlife, roads.travel(&context.run)?);
+            Ok(trails::trails(&habitat, &trails_options(context, request), &context.run)?)
         })
     }
 
@@ -246,14 +249,13 @@ impl Chain {
     pub fn plannings(
         context: &JobContext<'_>,
         request: &Request,
-        (land, country): (&Land, &Country),
+        (land, roads): (&Land, &Roads<'_>),
         wildlife: &Wildlife,
     ) -> Result<Days, Failure> {
         let parameters = (&request.inputs.planning, context.seed);
         let key = Stage { name: "planning", version: 1, inputs: digest(&[&wildlife.digest], &parameters)? };
         stage(context, key, || {
-            let travel = travel(request, (land, country));
-            let habitat = habitat(request, wildlife, &travel);
+            let habitat = habitat(request, wildlife, roads.travel(&context.run)?);
             let options = planning_options(context, request);
             let plannings = planning::plannings(&habitat, &options, &context.run)?;
             let all: Vec<usize> = (0..plannings.herds.len()).collect();
@@ -264,9 +266,31 @@ impl Chain {
     }
 }
 
-/// How the animals travel.
-fn travel<'a>(request: &'a Request, (land, country): (&'a Land, &'a Country)) -> Travel<'a> {
-    Travel::new(ground(land, &country.tree_cover), &request.passages, &country.regions, &request.animals.species)
+/// How the animals travel: prepared when a stage first asks, and shared by the stages.
+pub struct Roads<'a> {
+    request: &'a Request,
+    land: &'a Land,
+    /// Where each animal can go.
+    pub country: &'a Country,
+    travel: OnceCell<Travel<'a>>,
+}
+
+impl<'a> Roads<'a> {
+    /// Nothing is prepared yet.
+    pub fn new(request: &'a Request, land: &'a Land, country: &'a Country) -> Self {
+        Self { request, land, country, travel: OnceCell::new() }
+    }
+
+    fn travel(&self, run: &Run) -> Result<&Travel<'a>, Failure> {
+        if let Some(travel) = self.travel.get() {
+            return Ok(travel);
+        }
+        let ground = ground(self.land, &self.country.tree_cover);
+        let (regions, animals) = (&self.country.regions, &self.request.animals.species);
+        let options = TravelOptions::default();
+        let travel = Travel::new((ground, &self.request.passages), regions, animals, &options, run)?;
+        Ok(self.travel.get_or_init(|| travel))
+    }
 }
 
 /// The terrain with its animals in place.

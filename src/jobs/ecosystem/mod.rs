@@ -34,6 +34,7 @@ use crate::jobs::Process;
 use crate::jobs::Sources;
 use crate::jobs::artefact::Kind;
 use crate::jobs::ecosystem::chain::Chain;
+use crate::jobs::ecosystem::chain::Roads;
 use crate::jobs::ecosystem::outputs::Maps;
 use crate::jobs::ecosystem::request::Request;
 use crate::jobs::process::ASYNC;
@@ -146,17 +147,18 @@ impl Job for EcosystemJob {
         // 4. Where each animal can go.
         let country = Chain::regions(context, &request, (&land, &plants))?;
         // 5. and 6. The Resource Access Graph; herbivores, then carnivores compete on it.
-        let wildlife = Chain::animals(context, &request, (&land, &plants, &country))?;
+        let roads = Roads::new(&request, &land, &country);
+        let wildlife = Chain::animals(context, &request, (&land, &plants, &roads))?;
         maps(context, &request).animals(&request, (&plants, &country), &wildlife)?;
         life::graph(context, &request, &wildlife.population.rag)?;
         // 7. The trails they wear, and the plants that are left beside them.
-        let trails = Chain::trails(context, &request, (&land, &country), &wildlife)?;
+        let trails = Chain::trails(context, &request, &roads, &wildlife)?;
         maps(context, &request).trails(&land.terrain, &trails)?;
         life::trail_lines(context, &request, &trails)?;
         let left = Chain::beside_trails(context, &request, (&climate, &plants), &trails)?;
         maps(context, &request).plants(&request, &left)?;
         // 8. What each herd does all day.
-        let days = Chain::plannings(context, &request, (&land, &country), &wildlife)?;
+        let days = Chain::plannings(context, &request, (&land, &roads), &wildlife)?;
         life::herds(context, &request, &days.plannings.herds)?;
         life::plannings(context, &request, &wildlife, &days)?;
         // 9. What the experts look at.

@@ -528,13 +528,13 @@ impl Stored for Trails {
         for map in [&self.usage, &self.worn, &self.carving_m] {
             write_f32(w, map);
         }
-        w.f64(self.kept_share);
+        w.f64(self.kept_share).u64(self.without_way as u64);
     }
 
     fn read(r: &mut Reader<'_>) -> Result<Self, binary::Error> {
         let lines = r.list(|r| Ok(Trail { points: read_points(r)?, stretches: r.list(read_stretch)? }))?;
         let (usage, worn, carving_m) = (read_f32(r)?, read_f32(r)?, read_f32(r)?);
-        Ok(Self { lines, usage, worn, carving_m, kept_share: r.f64()? })
+        Ok(Self { lines, usage, worn, carving_m, kept_share: r.f64()?, without_way: r.u64()? as usize })
     }
 }
 
