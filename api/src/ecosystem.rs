@@ -476,15 +476,15 @@ impl Default for TrailsInput {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum PlanningChange {
-    /// The herd also visits the node.
+    /// The herd visits `node` for `stay_s` before its visit `order`.
     Add,
-    /// The herd does not visit the node.
+    /// The visit `order` is left out.
     Drop,
-    /// The herd is at the node at `arrive_s`.
+    /// The visit `order` is from `arrive_s` to `leave_s`.
     Pin,
 }
 
-/// An edit of a herd's planning (L 6.2).
+/// An edit of a herd's planning (L 6.2). Visits are counted as in the planning before any edit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanningEdit {
@@ -492,12 +492,23 @@ pub struct PlanningEdit {
     pub herd: u32,
     /// What to change.
     pub change: PlanningChange,
-    /// Number of the node, as in the output `rag`.
-    pub node: u32,
-    /// For `pin`: when, seconds of the local solar day.
+    /// Number of the visit, as in the output `plannings`.
+    pub order: u32,
+    /// For `add`: number of the node, as in the output `rag`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 86400.0))]
+    pub node: Option<u32>,
+    /// For `add`: how long, seconds. Default: 3600.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1.0, max = 86400.0))]
+    pub stay_s: Option<f64>,
+    /// For `pin`: arrival, seconds of the local solar day on which the active day begins.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 172800.0))]
     pub arrive_s: Option<f64>,
+    /// For `pin`: departure, seconds, after the arrival.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 172800.0))]
+    pub leave_s: Option<f64>,
 }
 
 /// How plannings are made.

@@ -20,6 +20,8 @@ use crate::compute::ecosystem::flora::FloraOptions;
 use crate::compute::ecosystem::flora::Painted;
 use crate::compute::ecosystem::habitat::Habitat;
 use crate::compute::ecosystem::planning;
+use crate::compute::ecosystem::planning::Conflict;
+use crate::compute::ecosystem::planning::Edit;
 use crate::compute::ecosystem::planning::Pace;
 use crate::compute::ecosystem::planning::Plannings;
 use crate::compute::ecosystem::planning::Track;
@@ -98,6 +100,8 @@ pub struct Days {
     pub plannings: Plannings,
     /// The paths, herd by herd.
     pub tracks: Vec<Track>,
+    /// What could not be edited as asked: the herd and a sentence.
+    pub conflicts: Vec<(usize, String)>,
 }
 
 /// Travel times of each territory, in the order of the graph's territories.
@@ -257,11 +261,12 @@ impl Chain {
         stage(context, key, || {
             let habitat = habitat(request, wildlife, roads.travel(&context.run)?);
             let options = planning_options(context, request);
-            let plannings = planning::plannings(&habitat, &options, &context.run)?;
+            let mut plannings = planning::plannings(&habitat, &options, &context.run)?;
+            let conflicts = edit(context, request, &habitat, (&mut plannings, &options))?;
             let all: Vec<usize> = (0..plannings.herds.len()).collect();
             let pace = Pace { step_s: request.inputs.planning.path_step_s, height: Some(&land.terrain.height) };
             let tracks = planning::tracks(&habitat, &plannings, &all, pace, &context.run)?;
-            Ok(Days { plannings, tracks })
+            Ok(Days { plannings, tracks, conflicts })
         })
     }
 }
@@ -290,6 +295,44 @@ impl<'a> Roads<'a> {
         let options = TravelOptions::default();
         let travel = Travel::new((ground, &self.request.passages), regions, animals, &options, run)?;
         Ok(self.travel.get_or_init(|| travel))
+    }
+}
+
+/// Applies the edits, herd by herd in the order in which they first come up.
+fn edit(
+    context: &JobContext<'_>,
+    request: &Request,
+    habitat: &Habitat<'_>,
+    (plannings, options): (&mut Plannings, &planning::Options),
+) -> Result<Vec<(usize, String)>, Failure> {
+    let mut herds: Vec<usize> = request.edits.iter().map(|(herd, _)| *herd).collect();
+    herds.sort_unstable();
+    herds.dedup();
+    let mut conflicts = Vec::new();
+    for herd in herds {
+        if herd >= plannings.herds.len() {
+            conflicts.push((herd, format!("there are only {} herds", plannings.herds.len())));
+            continue;
+        }
+        let edits: Vec<Edit> = request.edits.iter().filter(|(h, _)| *h == herd).map(|(_, edit)| *edit).collect();
+        let edited = planning::edit(habitat, (plannings, options), (herd, &edits), &context.run)?;
+        for (changed, day) in edited.days {
+            plannings.days[changed] = day;
+        }
+        conflicts.extend(edited.conflicts.iter().map(|(herd, conflict)| (*herd, sentence(conflict))));
+    }
+    Ok(conflicts)
+}
+
+fn sentence(conflict: &Conflict) -> String {
+    match conflict {
+        Conflict::NoSuchVisit(order) => format!("there is no visit {order} that can be changed"),
+        Conflict::NotReached(node) => format!("node {node} is not in its territory or cannot be reached"),
+        Conflict::Late(node, seconds) => format!("it is {seconds:.0} s late at node {node}"),
+        Conflict::NoTime(node) => format!("there was no time for node {node}"),
+        Conflict::PreyGone(node) => format!("its prey is not met at node {node}"),
+        Conflict::Crowded(node, many) => format!("node {node} holds {many} individuals too many"),
+        Conflict::Missed(_) => "something it needs every day is no longer visited".to_owned(),
     }
 }
 

@@ -280,6 +280,10 @@ fn biomass(context: &mut JobContext<'_>, request: &Request, population: &Populat
 }
 
 fn plannings(context: &mut JobContext<'_>, days: &Days) {
+    for (herd, sentence) in &days.conflicts {
+        let message = format!("herd {herd}: {sentence}");
+        context.warn(Warning::new(WarningCode::PlanningConflict, "/planning/edits", message));
+    }
     let count = |of: &dyn Fn(&Reason) -> bool| days.plannings.warnings.iter().filter(|w| of(&w.reason)).count() as u64;
     let kinds: [(&str, u64); 4] = [
         ("waited because no node had room", count(&|r| matches!(r, Reason::Crowded(_)))),

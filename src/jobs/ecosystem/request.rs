@@ -7,6 +7,8 @@ use biotope_api::ecosystem::EcosystemInputs;
 use biotope_api::ecosystem::NeedName;
 use biotope_api::ecosystem::PassagesInput;
 use biotope_api::ecosystem::PlaceInput;
+use biotope_api::ecosystem::PlanningChange;
+use biotope_api::ecosystem::PlanningEdit;
 use biotope_api::ecosystem::ScalesPreset;
 use biotope_api::error::ErrorCode;
 use biotope_api::reference::Reference;
@@ -16,6 +18,7 @@ use crate::codec::map::Georeference;
 use crate::compute::ecosystem::climate::Climate;
 use crate::compute::ecosystem::climate::MonthClimate;
 use crate::compute::ecosystem::fitness::Needs;
+use crate::compute::ecosystem::planning::Edit;
 use crate::compute::ecosystem::regions::Passages;
 use crate::compute::ecosystem::regions::Place;
 use crate::compute::ecosystem::resources::GivenMaps;
@@ -66,6 +69,8 @@ pub struct Request {
     pub passages: Passages,
     /// The biomes.
     pub biomes: Biomes,
+    /// Edits of plannings: the herd and its edit.
+    pub edits: Vec<(usize, Edit)>,
     /// Digests of what stands behind the references, for the stages.
     pub digests: Digests,
     /// What readers should know of the inputs.
@@ -109,6 +114,7 @@ impl Request {
             maps.read(|m| (m.painted(&inputs), m.one("/maps/exclusion", inputs.maps.exclusion.as_ref())));
         faults.extend(maps.faults);
         let passages = faults.keep(passages(&inputs.passages, &land.height.grid));
+        let edits = faults.keep(edits(&inputs.planning.edits)).unwrap_or_default();
         // 4. All there, or all faults.
         match (plants, animals, biomes, climate, latitude_deg, passages, faults.errors.is_empty()) {
             (
@@ -134,6 +140,7 @@ impl Request {
                     exclusion: covers.1,
                     painted: covers.0,
                     passages,
+                    edits,
                     biomes,
                     digests: Digests { terrain: land.digest, water, maps: given_digest, painted },
                     warnings: land.warnings,
@@ -258,6 +265,46 @@ fn place(pointer: &str, input: &PlaceInput, grid: &Grid) -> Result<Place, Invali
         return Err(Invalid::new(format!("{pointer}/radius_m"), ErrorCode::OutOfRange, "a radius above 0", radius_m));
     }
     Ok(Place { centre, radius_m })
+}
+
+fn edits(inputs: &[PlanningEdit]) -> Result<Vec<(usize, Edit)>, Invalid> {
+    const STAY_S: f64 = 3600.0;
+    let mut faults = Invalid::default();
+    let mut edits = Vec::new();
+    for (i, input) in inputs.iter().enumerate() {
+        let order = input.order as usize;
+        let mut missing = |field: &str| {
+            faults.push(
+                format!("/planning/edits/{i}/{field}"),
+                ErrorCode::Missing,
+                "a value, for this change",
+                "nothing",
+            );
+        };
+        let edit = match (input.change, input.node, input.arrive_s, input.leave_s) {
+            (PlanningChange::Drop, ..) => Edit::Drop { order },
+            (PlanningChange::Add, Some(node), ..) => {
+                Edit::Add { order, node: node as usize, stay_s: input.stay_s.unwrap_or(STAY_S) }
+            }
+            (PlanningChange::Add, None, ..) => {
+                missing("node");
+                continue;
+            }
+            (PlanningChange::Pin, _, Some(arrive_s), Some(leave_s)) => {
+                if arrive_s >= leave_s {
+                    let pointer = format!("/planning/edits/{i}/leave_s");
+                    faults.push(pointer, ErrorCode::Inconsistent, format!("a time after {arrive_s}"), leave_s);
+                }
+                Edit::Pin { order, arrive_s, leave_s }
+            }
+            (PlanningChange::Pin, _, arrive_s, _) => {
+                missing(if arrive_s.is_none() { "arrive_s" } else { "leave_s" });
+                continue;
+            }
+        };
+        edits.push((input.herd as usize, edit));
+    }
+    faults.into_result().map(|()| edits)
 }
 
 /// Reads maps that must fit the terrain, collecting faults and digests.

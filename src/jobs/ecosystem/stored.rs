@@ -615,6 +615,7 @@ impl Stored for Days {
             w.u64(track.herd as u64).f64(track.from_s).f64(track.step_s).f32s(&track.heights_m);
             write_points(w, &track.places);
         });
+        w.list(&self.conflicts, |w, (herd, sentence)| w.u64(*herd as u64).string(sentence));
     }
 
     fn read(r: &mut Reader<'_>) -> Result<Self, binary::Error> {
@@ -625,6 +626,7 @@ impl Stored for Days {
             let (herd, from_s, step_s, heights_m) = (r.u64()? as usize, r.f64()?, r.f64()?, r.f32s()?);
             Ok(Track { herd, from_s, step_s, heights_m, places: read_points(r)? })
         })?;
-        Ok(Self { plannings: Plannings { herds, days, warnings }, tracks })
+        let conflicts = r.list(|r| Ok((r.u64()? as usize, r.string()?)))?;
+        Ok(Self { plannings: Plannings { herds, days, warnings }, tracks, conflicts })
     }
 }
