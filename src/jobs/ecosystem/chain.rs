@@ -157,7 +157,12 @@ impl Chain {
         let growth_key = Stage { name: "plants.competition", version: 1, inputs };
         let (species, resources) = (&request.plants.species, &climate.resources);
         let fitness = stage(context, fitness_key, || {
-            let options = FitnessOptions { months: months(request), needs: request.needs, scales: request.scales };
+            let options = FitnessOptions {
+                months: months(request),
+                needs: request.needs,
+                scales: request.scales,
+                ..FitnessOptions::default()
+            };
             Ok(fitness::fitness(&context.run, species, resources, &options)?)
         })?;
         let grown = stage(context, growth_key, || {

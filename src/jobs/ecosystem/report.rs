@@ -74,6 +74,7 @@ pub fn absence(reason: &Absence) -> String {
         Absence::Soil => "no cell has a soil type it can live on".into(),
         Absence::Texture => "no cell has a soil texture in its range".into(),
         Absence::Temperature => "no cell is in its temperature range in any month".into(),
+        Absence::TreeLine => "summers are too cool for trees everywhere".into(),
         Absence::Winter => "every winter is colder than it survives".into(),
         Absence::Moisture => "no cell is in its moisture range in any month".into(),
         Absence::Illumination => "no cell has light in its range in any month".into(),

@@ -201,7 +201,7 @@ impl Stored for Resources {
 }
 
 fn write_met(w: &mut Writer, m: &Met) {
-    w.u64(m.illumination).u64(m.temperature).u64(m.moisture).u64(m.texture).u64(m.soil).u64(m.survival).u64(m.all);
+    w.u64(m.illumination).u64(m.temperature).u64(m.moisture).u64(m.texture).u64(m.soil).u64(m.survival).u64(m.tree_line).u64(m.all);
 }
 
 fn read_met(r: &mut Reader<'_>) -> Result<Met, binary::Error> {
@@ -212,6 +212,7 @@ fn read_met(r: &mut Reader<'_>) -> Result<Met, binary::Error> {
         texture: r.u64()?,
         soil: r.u64()?,
         survival: r.u64()?,
+        tree_line: r.u64()?,
         all: r.u64()?,
     })
 }
@@ -239,6 +240,7 @@ fn write_absence(w: &mut Writer, absence: &Absence) {
         Absence::Moisture => w.u8(5),
         Absence::Illumination => w.u8(6),
         Absence::KeptOut => w.u8(7),
+        Absence::TreeLine => w.u8(10),
         Absence::NeverTogether(met) => {
             w.u8(8);
             write_met(w, met);
@@ -258,6 +260,7 @@ fn read_absence(r: &mut Reader<'_>) -> Result<Absence, binary::Error> {
         5 => Absence::Moisture,
         6 => Absence::Illumination,
         7 => Absence::KeptOut,
+        10 => Absence::TreeLine,
         8 => Absence::NeverTogether(read_met(r)?),
         9 => Absence::Outcompeted(Crowded {
             dark: r.u64()?,
