@@ -20,6 +20,7 @@ use biotope::compute::ecosystem::planning::edit;
 use biotope::compute::ecosystem::planning::plannings;
 use biotope::compute::ecosystem::planning::tracks;
 use biotope::compute::ecosystem::rag::Resource;
+use biotope::compute::ecosystem::summary::time_budget;
 use biotope::compute::run::Run;
 use biotope::compute::run::StopFlag;
 use proptest::prelude::*;
@@ -141,6 +142,17 @@ fn every_herd_drinks_as_often_as_it_should_and_eats() {
         let meal = if herd.species == 2 { Activity::Hunt } else { Activity::Feed };
         assert!(count(day, Activity::Drink) >= 2 && count(day, meal) >= 1, "{day:?}");
         assert!(day.visits.len() >= 6, "{}", day.visits.len());
+    }
+}
+
+#[test]
+fn stays_and_ways_make_up_the_whole_day() {
+    let plans = planned(&valley(&[12]), &Options::default());
+    for (budget, day) in time_budget(&plans).iter().zip(&plans.days) {
+        let stays: f64 = budget.iter().map(|part| part.1).sum();
+        let ways: f64 = day.visits.windows(2).map(|w| w[1].arrive_s - w[0].leave_s).sum();
+        assert!((stays + ways - DAY_S).abs() < 1e-6 && ways > 0.0);
+        assert!(budget.windows(2).all(|w| w[0].0 < w[1].0));
     }
 }
 

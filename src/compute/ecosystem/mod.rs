@@ -33,6 +33,7 @@ pub mod scales;
 mod slabs;
 pub mod soil;
 pub mod species;
+pub mod summary;
 pub mod terrain;
 pub mod trails;
 pub mod travel;

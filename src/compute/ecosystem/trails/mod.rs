@@ -127,7 +127,7 @@ pub struct Trails {
     /// traffic × length, whatever the size of the cells.
     pub usage: Raster<f32>,
     /// **Vegetation removed**: the share of the cell that trails cover, 0..=1, to be taken off
-    /// every cover map (see [`remove_under`]).
+    /// the plants of the cell (by `flora::clear`).
     pub worn: Raster<f32>,
     /// How far the terrain is lowered, metres: depth of the trail × its share of the cell.
     pub carving_m: Raster<f32>,
@@ -168,11 +168,6 @@ pub fn trails(habitat: &Habitat, options: &Options, run: &Run) -> Result<Trails,
 pub fn carved(height: &Raster<f32>, trails: &Trails) -> Raster<f32> {
     let lowered = height.data.iter().zip(&trails.carving_m.data).map(|(h, c)| h - c);
     Raster { grid: height.grid, data: lowered.collect() }
-}
-
-/// Takes the plants under the trails off a cover map: cover × (1 − worn).
-pub fn remove_under(cover: &mut Raster<f32>, trails: &Trails) {
-    cover.data.iter_mut().zip(&trails.worn.data).for_each(|(cover, worn)| *cover *= 1.0 - worn);
 }
 
 fn choice(options: &Options) -> journeys::Choice {
