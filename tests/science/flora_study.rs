@@ -1,7 +1,12 @@
 //! What the ablation studies and the comparison of climates measure (L 7.2, figures 8 and 13).
 
+use crate::science::tautavel;
 use biotope::compute::ecosystem::biomes::DENSEST_SHARE;
+use biotope::compute::ecosystem::biomes::NO_BIOME;
+use biotope::compute::ecosystem::biomes::agreement;
 use biotope::compute::ecosystem::biomes::densest;
+use biotope::compute::ecosystem::biomes::density;
+use biotope::compute::ecosystem::biomes::dominant;
 use biotope::compute::ecosystem::climate::Climate;
 use biotope::compute::ecosystem::fitness::Fitness;
 use biotope::compute::ecosystem::fitness::FitnessOptions;
@@ -12,6 +17,7 @@ use biotope::compute::ecosystem::flora::Flora;
 use biotope::compute::ecosystem::flora::FloraOptions;
 use biotope::compute::ecosystem::resources::GivenMaps;
 use biotope::compute::ecosystem::resources::MONTHS;
+use biotope::compute::ecosystem::resources::MonthlyMap;
 use biotope::compute::ecosystem::resources::ResourceRules;
 use biotope::compute::ecosystem::resources::Resources;
 use biotope::compute::ecosystem::species::PlantSpecies;
@@ -19,6 +25,11 @@ use biotope::compute::ecosystem::species::Stratum;
 use biotope::compute::ecosystem::terrain::Terrain;
 use biotope::compute::ecosystem::water::Water;
 use biotope::compute::ecosystem::water::WaterRules;
+use biotope::compute::geometry::Point;
+use biotope::compute::random::Purpose;
+use biotope::compute::random::hash2;
+use biotope::compute::random::unit;
+use biotope::compute::raster::Grid;
 use biotope::compute::raster::Raster;
 use biotope::compute::run::Run;
 
@@ -38,6 +49,16 @@ impl Land {
         let own = (GivenMaps::default(), &ResourceRules::default());
         let resources = Resources::assemble((&terrain, &water), climate, own, &run).unwrap();
         Self { terrain, water, resources }
+    }
+
+    /// The same land where half the ground is drier than `median` on the scale.
+    pub fn with_median_moisture(mut self, median: f32) -> Self {
+        let mut means: Vec<f64> = (0..self.water.depth_m.data.len()).map(|c| self.mean_moisture(c)).collect();
+        means.sort_unstable_by(f64::total_cmp);
+        let by = median - means[means.len() / 2] as f32;
+        let maps = (0..MONTHS).map(|m| self.resources.moisture.month(m).map(|v| v + by)).collect();
+        self.resources.moisture = MonthlyMap::Maps(maps);
+        self
     }
 
     /// The plants that grow there when these needs count.
@@ -60,6 +81,29 @@ impl Land {
         let (low, high) = heights.fold((f32::MAX, f32::MIN), |(l, h), z| (l.min(*z), h.max(*z)));
         f64::from(high - low)
     }
+}
+
+/// Mountains of no particular place, 240 to 1080 m high: six octaves of noise with rounded ridges,
+/// `size` cells of `cell_m` a side.
+pub fn mountains(size: usize, cell_m: f64) -> Raster<f32> {
+    let grid = Grid::new(size, size, cell_m);
+    let octave = |p: Point, k: u32| {
+        let wave = 8000.0 / f64::from(1 << k);
+        let (x, y) = (p.x / wave, p.y / wave);
+        let (column, row) = (x.floor(), y.floor());
+        let corner = |dx: f64, dy: f64| {
+            let (c, r) = ((column + dx) as u64, (row + dy) as u64);
+            unit(hash2(1, Purpose::new("science.mountains"), c << 8 | u64::from(k), r))
+        };
+        let ease = |t: f64| t * t * (3.0 - 2.0 * t);
+        let (u, v) = (ease(x - column), ease(y - row));
+        let north = corner(0.0, 0.0) * (1.0 - u) + corner(1.0, 0.0) * u;
+        let south = corner(0.0, 1.0) * (1.0 - u) + corner(1.0, 1.0) * u;
+        (north * (1.0 - v) + south * v - 0.5) * f64::from(1 << k).powf(-0.9)
+    };
+    let rough: Vec<f64> = (0..grid.len()).map(|i| (0..6).map(|k| octave(grid.centre(i), k)).sum()).collect();
+    let (low, high) = rough.iter().fold((f64::MAX, f64::MIN), |(l, h), z| (l.min(*z), h.max(*z)));
+    Raster { grid, data: rough.iter().map(|z| (240.0 + 840.0 * (z - low) / (high - low)) as f32).collect() }
 }
 
 /// What the densest twentieth of a land's cells is like.
@@ -119,4 +163,71 @@ pub fn tree_cover(land: &Land, species: &[PlantSpecies], flora: &Flora) -> TreeC
         south: mean(&|c| land.terrain.slope.data[c] > steep && facing(c) > half),
         north: mean(&|c| land.terrain.slope.data[c] > steep && facing(c) < -half),
     }
+}
+
+fn mountain_land(climate: &str) -> Land {
+    Land::new(mountains(128, 90.0), &tautavel::climate(climate))
+}
+
+fn without(change: impl Fn(&mut Needs)) -> Needs {
+    let mut needs = Needs::default();
+    change(&mut needs);
+    needs
+}
+
+/// The densest cells of a land with all needs, and with these only.
+fn ablation(land: &Land, needs: Needs) -> (Densest, Densest) {
+    let species = tautavel::plants();
+    let of = |needs| densest_cells(land, &land.flora(&species, needs).0);
+    (of(Needs::default()), of(needs))
+}
+
+#[test]
+fn without_the_need_for_light_the_densest_plants_stand_where_it_is_moist() {
+    let (full, less) = ablation(&mountain_land("mild"), without(|n| n.illumination = false));
+    assert!(less.moisture >= full.moisture + 0.5, "{full:?} {less:?}");
+}
+
+#[test]
+fn without_the_need_for_moisture_the_densest_plants_of_dry_ground_stand_on_sunny_slopes() {
+    let (full, less) = ablation(&mountain_land("mild").with_median_moisture(2.5), without(|n| n.moisture = false));
+    assert!(less.southness >= full.southness + 0.2, "{full:?} {less:?}");
+}
+
+#[test]
+fn without_bounds_of_temperature_the_densest_plants_of_an_ice_age_stand_higher() {
+    let land = mountain_land("ice_age");
+    let (full, less) = ablation(&land, without(|n| n.temperature = false));
+    assert!(less.height_m >= full.height_m + 0.1 * land.relief_m(), "{full:?} {less:?}");
+}
+
+#[test]
+fn an_ice_age_leaves_fewer_trees_and_those_on_south_slopes() {
+    let species = tautavel::plants();
+    let trees = |climate: &str| {
+        let land = mountain_land(climate);
+        let (flora, _) = land.flora(&species, Needs::default());
+        tree_cover(&land, &species, &flora)
+    };
+    let (mild, ice_age) = (trees("mild"), trees("ice_age"));
+    assert!(ice_age.mean <= 0.7 * mild.mean, "{mild:?} {ice_age:?}");
+    assert!(ice_age.south >= 1.5 * ice_age.north, "{ice_age:?}");
+}
+
+#[test]
+fn the_plants_of_the_sample_make_four_biomes_that_a_map_can_tell_apart() {
+    let land = mountain_land("mild");
+    let (flora, _) = land.flora(&tautavel::plants(), Needs::default());
+    let (of, names) = tautavel::biomes();
+    let map = dominant(&flora, &of);
+    assert_eq!(names, ["mediterranean", "mountain", "river", "ubiquist"]);
+    assert_eq!(agreement(&map, &map, 4).iter().flatten().filter(|iou| **iou == 1.0).count(), 4);
+    for (cell, biome) in map.data.iter().enumerate().filter(|(_, b)| **b != NO_BIOME) {
+        let densities: Vec<f32> =
+            (0..4).map(|b| (0..18).filter(|s| of[*s] == b).map(|s| flora.cover(s, cell)).sum()).collect();
+        assert!(densities.iter().all(|d| *d <= densities[usize::from(*biome)] + 1e-4), "{densities:?} {biome}");
+    }
+    let densest = densest(&density(&flora, &of, 3), DENSEST_SHARE);
+    let weight: f64 = densest.data.iter().map(|w| f64::from(*w)).sum();
+    assert!((weight - 0.05 * densest.data.len() as f64).abs() < 1.0, "{weight}");
 }
