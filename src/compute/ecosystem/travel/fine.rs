@@ -19,14 +19,13 @@ impl Network for FineNetwork<'_> {
 
     fn edges(&self, node: usize, mut visit: impl FnMut(u16, usize, f32)) {
         let (x, y) = self.corridor.place(node);
-        let grid = self.steps.grid();
-        let from = grid.index(x, y);
+        let around = self.steps.around(x, y, 2);
         for (which, (dx, dy)) in MOVES.iter().enumerate() {
-            let (nx, ny) = (x.wrapping_add_signed(*dx), y.wrapping_add_signed(*dy));
-            let Some(target) = self.corridor.number(nx, ny) else { continue };
-            let to = grid.index(nx, ny);
-            if self.steps.open(to) {
-                visit(which as u16, target, self.steps.seconds(from, to, which));
+            let seconds = around.seconds(which);
+            if seconds.is_finite()
+                && let Some(target) = self.corridor.number(x.wrapping_add_signed(*dx), y.wrapping_add_signed(*dy))
+            {
+                visit(which as u16, target, seconds);
             }
         }
     }
@@ -69,6 +68,6 @@ impl FineNetwork<'_> {
     fn between(&self, from: usize, to: usize) -> Option<usize> {
         let (a, b) = (self.steps.grid().cell(from), self.steps.grid().cell(to));
         let step = (b.column as isize - a.column as isize, b.row as isize - a.row as isize);
-        (step.0.abs() + step.1.abs() == 3).then(|| self.steps.via(from, to, step)).flatten()
+        (step.0.abs() + step.1.abs() == 3).then(|| self.steps.around(a.column, a.row, 2).via(step)).flatten()
     }
 }

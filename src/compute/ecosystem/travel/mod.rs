@@ -259,7 +259,7 @@ impl Ways for Travel<'_> {
         let step = (b.column as isize - a.column as isize, b.row as isize - a.row as isize);
         let which = MOVES[..NEIGHBOURS].iter().position(|m| *m == step);
         match which.filter(|_| steps.open(from) && steps.open(to)) {
-            Some(which) => f64::from(steps.seconds(from, to, which)),
+            Some(which) => f64::from(steps.around(a.column, a.row, 1).seconds(which)),
             None => f64::INFINITY,
         }
     }

@@ -80,7 +80,7 @@ fn rooms_of_tile(steps: &Steps<'_>, tiling: &Tiling, (column, row): (usize, usiz
         stack.push(start);
         while let Some((x, y)) = stack.pop() {
             let cell = grid.index(x, y);
-            tally.add(steps, (x, y), cell);
+            tally.add(steps, (x, y));
             for (dx, dy) in &MOVES[..4] {
                 let next = (x.wrapping_add_signed(*dx), y.wrapping_add_signed(*dy));
                 let inside = columns.contains(&next.0) && rows.contains(&next.1);
@@ -107,20 +107,17 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, steps: &Steps<'_>, (x, y): (usize, usize), cell: usize) {
-        let grid = steps.grid();
+    fn add(&mut self, steps: &Steps<'_>, (x, y): (usize, usize)) {
+        let cell_m = steps.grid().cell_m;
         self.cells += 1;
         self.columns += x as f64;
         self.rows += y as f64;
-        for (which, (dx, dy)) in MOVES[..NEIGHBOURS].iter().enumerate() {
-            let (nx, ny) = (x.wrapping_add_signed(*dx), y.wrapping_add_signed(*dy));
-            if nx >= grid.width || ny >= grid.height || !steps.open(grid.index(nx, ny)) {
-                continue;
-            }
-            let seconds = steps.seconds(cell, grid.index(nx, ny), which);
+        let around = steps.around(x, y, 1);
+        for which in 0..NEIGHBOURS {
+            let seconds = around.seconds(which);
             if seconds.is_finite() {
                 let cells = if which < 4 { 1.0 } else { std::f64::consts::SQRT_2 };
-                self.slowness[which] += f64::from(seconds) / (cells * grid.cell_m);
+                self.slowness[which] += f64::from(seconds) / (cells * cell_m);
                 self.moves[which] += 1;
             }
         }

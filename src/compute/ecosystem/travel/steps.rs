@@ -62,76 +62,127 @@ impl Steps<'_> {
         self.open(b) && (self.gait.both_ways(slope) || (self.opened.is_waypoint(a) && self.opened.is_waypoint(b)))
     }
 
-    /// Seconds of the move `which` of [`MOVES`] from `from` to `to`, which lies at its end, both
-    /// open; infinite where it is closed.
-    ///
-    /// A diagonal move needs the two cells it squeezes through open; a knight's move needs the
-    /// two cells it passes open, and one of the two ways over them walked step by step.
-    pub(super) fn seconds(&self, from: usize, to: usize, which: usize) -> f32 {
-        match which {
-            0..4 => self.straight(from, to, 1.0),
-            4..NEIGHBOURS => self.diagonal(from, to, MOVES[which]),
-            _ => self.knight(from, to, MOVES[which]),
-        }
-    }
-
-    /// Seconds between two cells `cells` apart by the rise between them.
-    fn straight(&self, from: usize, to: usize, cells: f32) -> f32 {
-        self.climb(from, to, self.height(to) - self.height(from), cells)
-    }
-
     fn height(&self, cell: usize) -> f32 {
         self.ground.height.data[cell]
     }
 
-    fn climb(&self, from: usize, to: usize, rise: f32, cells: f32) -> f32 {
-        let run = cells * self.grid().cell_m as f32;
-        let slope = rise / run;
-        let slowness = self.gait.slowness(slope);
-        if slowness.is_infinite() && self.opened.is_waypoint(from) && self.opened.is_waypoint(to) {
-            return run * self.gait.forced(slope);
+    /// What lies around an open cell, `reach` (1 or 2) cells each way.
+    pub(super) fn around(&self, x: usize, y: usize, reach: isize) -> Around<'_> {
+        let grid = self.grid();
+        let cell = grid.index(x, y);
+        let region = self.region(cell);
+        let mut around = Around { steps: self, cell, open: [false; SIDE * SIDE], height: [0.0; SIDE * SIDE] };
+        for dy in -reach..=reach {
+            let row = y.wrapping_add_signed(dy);
+            if row >= grid.height {
+                continue;
+            }
+            for dx in -reach..=reach {
+                let column = x.wrapping_add_signed(dx);
+                if column >= grid.width {
+                    continue;
+                }
+                let (at, place) = (grid.index(column, row), local((dx, dy)));
+                around.open[place] = self.region(at) == region;
+                around.height[place] = self.height(at);
+            }
+        }
+        around
+    }
+}
+
+/// Cells on a side of what lies around a cell.
+const SIDE: usize = 5;
+
+/// The place of a cell at (columns east, rows south) in what lies around.
+const fn local((dx, dy): (isize, isize)) -> usize {
+    ((dy + 2) * SIDE as isize + dx + 2) as usize
+}
+
+/// The cells within a knight's move of a cell: which lie in the same region, and their heights.
+pub(super) struct Around<'a> {
+    steps: &'a Steps<'a>,
+    cell: usize,
+    open: [bool; SIDE * SIDE],
+    height: [f32; SIDE * SIDE],
+}
+
+impl Around<'_> {
+    /// Seconds of the move `which` of [`MOVES`]; infinite where it is closed: off the map or out
+    /// of the region, or too steep.
+    ///
+    /// A diagonal move needs the two cells it squeezes through open; a knight's move needs the
+    /// two cells it passes open, and one of the two ways over them walked step by step.
+    pub(super) fn seconds(&self, which: usize) -> f32 {
+        let step = MOVES[which];
+        match which {
+            _ if !self.open[local(step)] => f32::INFINITY,
+            0..4 => self.straight((0, 0), step),
+            4..NEIGHBOURS => self.diagonal((0, 0), step),
+            _ => self.knight(step),
+        }
+    }
+
+    fn straight(&self, from: (isize, isize), (dx, dy): (isize, isize)) -> f32 {
+        let to = (from.0 + dx, from.1 + dy);
+        let cells = if dx != 0 && dy != 0 { std::f32::consts::SQRT_2 } else { 1.0 };
+        self.climb(from, to, self.height[local(to)] - self.height[local(from)], cells)
+    }
+
+    /// Seconds over a rise between two cells `cells` apart.
+    fn climb(&self, from: (isize, isize), to: (isize, isize), rise: f32, cells: f32) -> f32 {
+        let run = cells * self.steps.grid().cell_m as f32;
+        let slowness = self.steps.gait.slowness(rise / run);
+        if slowness.is_infinite() && self.is_waypoint(from) && self.is_waypoint(to) {
+            return run * self.steps.gait.forced(rise / run);
         }
         run * slowness
     }
 
-    fn diagonal(&self, from: usize, to: usize, (dx, dy): (isize, isize)) -> f32 {
-        let width = self.grid().width as isize;
-        let sides = [from.wrapping_add_signed(dx), from.wrapping_add_signed(dy * width)];
-        if sides.iter().all(|side| self.open(*side)) {
-            self.straight(from, to, std::f32::consts::SQRT_2)
+    fn is_waypoint(&self, (dx, dy): (isize, isize)) -> bool {
+        self.steps.opened.is_waypoint(self.at((dx, dy)))
+    }
+
+    /// The cell of the map at (columns east, rows south).
+    fn at(&self, (dx, dy): (isize, isize)) -> usize {
+        self.cell.wrapping_add_signed(dy * self.steps.grid().width as isize + dx)
+    }
+
+    fn diagonal(&self, from: (isize, isize), (dx, dy): (isize, isize)) -> f32 {
+        if self.open[local((from.0 + dx, from.1))] && self.open[local((from.0, from.1 + dy))] {
+            self.straight(from, (dx, dy))
         } else {
             f32::INFINITY
         }
     }
 
-    fn knight(&self, from: usize, to: usize, (dx, dy): (isize, isize)) -> f32 {
-        let (by_side, by_corner) = self.between(from, (dx, dy));
-        if !self.open(by_side) || !self.open(by_corner) || self.via(from, to, (dx, dy)).is_none() {
+    fn knight(&self, step: (isize, isize)) -> f32 {
+        let (side, corner) = passed(step);
+        if !self.open[local(side)] || !self.open[local(corner)] || self.via(step).is_none() {
             return f32::INFINITY;
         }
         let half = 0.5 * 5f32.sqrt();
-        let middle = 0.5 * (self.height(by_side) + self.height(by_corner));
-        self.climb(from, to, middle - self.height(from), half) + self.climb(from, to, self.height(to) - middle, half)
-    }
-
-    /// The two cells a knight's move passes: the one beside its start, and the one at its corner.
-    fn between(&self, from: usize, (dx, dy): (isize, isize)) -> (usize, usize) {
-        let width = self.grid().width as isize;
-        let (sx, sy) = (dx.signum(), dy.signum());
-        let side = if dx.abs() > dy.abs() { sx } else { sy * width };
-        (from.wrapping_add_signed(side), from.wrapping_add_signed(sx + sy * width))
+        let middle = 0.5 * (self.height[local(side)] + self.height[local(corner)]);
+        let (first, last) = (middle - self.height[local((0, 0))], self.height[local(step)] - middle);
+        self.climb((0, 0), step, first, half) + self.climb((0, 0), step, last, half)
     }
 
     /// The cell over which a knight's move is walked as two steps to neighbours, the quicker way.
-    pub(super) fn via(&self, from: usize, to: usize, (dx, dy): (isize, isize)) -> Option<usize> {
-        let (by_side, by_corner) = self.between(from, (dx, dy));
-        let (sx, sy) = (dx.signum(), dy.signum());
-        let over_side = self.straight(from, by_side, 1.0) + self.diagonal(by_side, to, (sx, sy));
-        let over_corner = self.diagonal(from, by_corner, (sx, sy)) + self.straight(by_corner, to, 1.0);
+    pub(super) fn via(&self, step: (isize, isize)) -> Option<usize> {
+        let (side, corner) = passed(step);
+        let last = (step.0 - corner.0, step.1 - corner.1);
+        let over_side = self.straight((0, 0), side) + self.diagonal(side, corner);
+        let over_corner = self.diagonal((0, 0), corner) + self.straight(corner, last);
         match over_side.min(over_corner) {
             best if best.is_infinite() => None,
-            best if best == over_side => Some(by_side),
-            _ => Some(by_corner),
+            best if best == over_side => Some(self.at(side)),
+            _ => Some(self.at(corner)),
         }
     }
+}
+
+/// The two cells a knight's move passes: the one beside its start, and the one at its corner.
+const fn passed((dx, dy): (isize, isize)) -> ((isize, isize), (isize, isize)) {
+    let corner = (dx.signum(), dy.signum());
+    (if dx.abs() > dy.abs() { (corner.0, 0) } else { (0, corner.1) }, corner)
 }

@@ -184,3 +184,20 @@ fn times_by_rooms_are_the_same_on_one_and_two_threads() {
     };
     assert_eq!(ask(1), ask(2));
 }
+
+#[test]
+fn a_herd_never_leaves_its_region_even_where_it_could_climb_down() {
+    // Two terraces that a step parts: down it can be jumped, up not, and at the far end the
+    // other way round, so that a round trip exists that neither terrace holds.
+    let grid = Grid::new(30, 12, 1.0);
+    let terrace = |p: Point| if p.y > 6.0 { 0.7 - 1.4 * f64::from(u8::from(p.x > 15.0)) } else { 0.0 };
+    let mut world = World::new(grid, terrace);
+    (0..6).for_each(|row| world.water.data[grid.index(15, row)] = 3.0);
+    let (a, b) = (grid.index(2, 2), grid.index(2, 9));
+    world.ask(&[animal("deer", 1)], |regions, travel| {
+        assert_ne!(regions.region(0, a), regions.region(0, b));
+        assert_eq!((way(travel, a, b), way(travel, b, a)), (None, None));
+        let (high, low) = (grid.index(2, 5), grid.index(2, 6));
+        assert!(travel.step_s(0, high, low).is_infinite() && travel.open(0, high) && travel.open(0, low));
+    });
+}
