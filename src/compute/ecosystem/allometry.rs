@@ -136,11 +136,11 @@ pub const fn max_slope_down_deg(agility: Agility) -> Estimate {
 }
 
 /// Tree cover above which an animal does not enter: 0.3 in the authors' sample for all, kept for
-/// animals of open country; 0.9 for the others, which live in woods too (ours).
+/// animals of open country; none for the others, which live in woods too (ours).
 pub const fn max_tree_cover(ground: Ground) -> Estimate {
     match ground {
         Ground::Open => estimate(0.3, "tree cover 0.3 (sample of the authors of L)"),
-        Ground::Wooded => estimate(0.9, "ours: animals of woods are stopped by thickets only"),
+        Ground::Wooded => estimate(1.0, "ours: woods do not stop animals that live in them"),
     }
 }
 

@@ -201,7 +201,14 @@ impl Stored for Resources {
 }
 
 fn write_met(w: &mut Writer, m: &Met) {
-    w.u64(m.illumination).u64(m.temperature).u64(m.moisture).u64(m.texture).u64(m.soil).u64(m.survival).u64(m.tree_line).u64(m.all);
+    w.u64(m.illumination)
+        .u64(m.temperature)
+        .u64(m.moisture)
+        .u64(m.texture)
+        .u64(m.soil)
+        .u64(m.survival)
+        .u64(m.tree_line)
+        .u64(m.all);
 }
 
 fn read_met(r: &mut Reader<'_>) -> Result<Met, binary::Error> {

@@ -48,7 +48,7 @@ pub(super) fn groups_of(resource: usize, atoms: &Atoms, groups: usize) -> Vec<Gr
 
 /// Decides the number of nodes of each group so that no territory (a list of indices of groups)
 /// has more than [`NodeOptions::max_nodes`]: the more area, the more nodes; at least one each.
-/// Where that is still too many, the groups that offer least are dropped (0 nodes), water last.
+/// Where that is still too many, the groups that offer least are dropped (0 nodes).
 pub(super) fn allot(groups: &mut [Group], kinds: &[Resource], territories: &[Vec<usize>], options: &NodeOptions) {
     let cells: u64 = groups.iter().map(|g| g.cells).max().unwrap_or(0);
     let mut patch = cells as f64 / options.max_nodes.max(1) as f64;
@@ -71,19 +71,56 @@ pub(super) fn allot(groups: &mut [Group], kinds: &[Resource], territories: &[Vec
     }
 }
 
+/// Leaves out groups of a territory until it has few enough nodes: first those that hold the
+/// least share of their resource there (of food by kg, of water by length of bank), so that where
+/// other species' regions cut a territory into many groups, the small ones go. The largest group of
+/// each resource stays to the last.
 fn drop_excess(groups: &mut [Group], kinds: &[Resource], territory: &[usize], max_nodes: usize) {
-    let count: usize = territory.iter().map(|g| groups[*g].nodes).sum();
-    if count <= max_nodes {
+    let mut left: usize = territory.iter().map(|g| groups[*g].nodes).sum();
+    if left <= max_nodes {
         return;
     }
-    let mut order = territory.to_vec();
-    let is_water = |g: usize| kinds[groups[g].resource] == Resource::Water;
-    order.sort_by(|a, b| is_water(*a).cmp(&is_water(*b)).then(groups[*a].kg.total_cmp(&groups[*b].kg)).then(a.cmp(b)));
-    let mut left = count;
-    for g in order {
+    let amount = |g: usize| match kinds[groups[g].resource] {
+        Resource::Water => groups[g].cells as f64,
+        Resource::Food(_) => groups[g].kg,
+    };
+    let mut sums = vec![(0.0, 0.0_f64); kinds.len()];
+    for &g in territory {
+        let (sum, most) = &mut sums[groups[g].resource];
+        *sum += amount(g);
+        *most = most.max(amount(g));
+    }
+    let rank = |g: usize| {
+        let (sum, most) = sums[groups[g].resource];
+        let share = if sum > 0.0 { amount(g) / sum } else { 0.0 };
+        (amount(g) >= most, share, g)
+    };
+    let mut order: Vec<(bool, f64, usize)> = territory.iter().map(|g| rank(*g)).collect();
+    order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    for (_, _, g) in order {
         if left <= max_nodes.max(1) {
             break;
         }
         left -= std::mem::take(&mut groups[g].nodes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute::ecosystem::species::Food;
+
+    #[test]
+    fn many_scraps_of_water_do_not_cost_a_territory_its_food() {
+        let kinds = [Resource::Water, Resource::Food(Food::Plant(0))];
+        let group = |resource, group: u32, cells, kg| Group { resource, group, atoms: Vec::new(), cells, kg, nodes: 1 };
+        let mut groups: Vec<Group> =
+            (0..100).map(|i| group(0, i, 1 + u64::from(i == 7) * 500, f64::INFINITY)).collect();
+        groups.extend((0..10).map(|i| group(1, i, 50, 1.0 + 100.0 * f64::from(i))));
+        let territory: Vec<usize> = (0..groups.len()).collect();
+        drop_excess(&mut groups, &kinds, &territory, 12);
+        let kept = |resource: usize| groups.iter().filter(|g| g.resource == resource && g.nodes > 0).count();
+        assert_eq!(kept(0) + kept(1), 12);
+        assert!(groups[7].nodes > 0 && groups[109].nodes > 0 && kept(1) >= 8, "{} {}", kept(0), kept(1));
     }
 }
