@@ -108,6 +108,8 @@ fn crowded(world: &World, plans: &Plannings, options: &Options) -> Option<String
         }
     }
     stays.iter().filter(|stay| stay.1 >= 0.0).find_map(|&(node, now, ..)| {
+        // Just after the arrival: who leaves at that moment has left, whatever the rounding.
+        let now = now + 1e-6;
         let there = stays.iter().filter(|s| s.0 == node && s.1 <= now && now < s.2);
         let sum: u32 = there.map(|s| s.3).sum();
         let capacity = (world.rag.nodes[node].area_m2 / options.m2_each).max(1.0) as u32;

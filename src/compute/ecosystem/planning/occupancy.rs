@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// The rooms of the habitat: nodes that offer the same resource at the same cell are one room,
-/// so that levels of the food chain share it.
+/// so that levels of the food chain share it; it holds what the smallest of them holds.
 pub(crate) struct Rooms {
     /// The room of each node.
     pub(crate) of_node: Vec<usize>,
@@ -26,7 +26,7 @@ impl Rooms {
             if room == next {
                 rooms.capacity.push(holds);
             } else {
-                rooms.capacity[room] = rooms.capacity[room].max(holds);
+                rooms.capacity[room] = rooms.capacity[room].min(holds);
             }
             rooms.of_node.push(room);
         }

@@ -253,6 +253,10 @@ impl Ways for Travel<'_> {
         Ok(search.goals.iter().map(way).collect())
     }
 
+    fn times_s(&self, species: usize, from: usize, to: &[usize], run: &Run) -> Result<Vec<f64>, Stopped> {
+        Ok(Travel::times_s(self, species, from, to, run)?.into_iter().map(f64::from).collect())
+    }
+
     fn step_s(&self, species: usize, from: usize, to: usize) -> f64 {
         let steps = self.steps(species);
         let (a, b) = (steps.grid().cell(from), steps.grid().cell(to));
