@@ -10,6 +10,7 @@ use crate::compute::ecosystem::terrain::Terrain;
 use crate::compute::ecosystem::water::Water;
 use crate::compute::raster::BucketQueue;
 use crate::compute::raster::Raster;
+use crate::compute::raster::box_mean;
 use crate::compute::raster::compass::Compass;
 use crate::compute::raster::compass::LENGTHS;
 use crate::compute::run::Run;
@@ -29,6 +30,9 @@ pub struct SoilRules {
     pub reach_slope: f32,
     /// Marl up to this slope, limestone above.
     pub marl_slope: f32,
+    /// The slope that tells marl from limestone is the mean over so far around, m: rock does not
+    /// change with every hump.
+    pub rock_radius_m: f64,
     /// Texture (1 clay … 9 slab) per type, in the order of the codes of [`Soil`].
     pub texture: [f32; 5],
     /// Texture of slopes steeper than `cliff_slope`.
@@ -47,6 +51,7 @@ impl Default for SoilRules {
             cliff_slope: 0.7002,
             reach_slope: 0.6249,
             marl_slope: 0.25,
+            rock_radius_m: 50.0,
             texture: [4.0, 2.0, 3.0, 7.0, 3.0],
             cliff_texture: 8.0,
         }
@@ -56,6 +61,8 @@ impl Default for SoilRules {
 /// The estimated soil type of every cell, as codes of [`Soil`]; where there is no data, limestone.
 pub fn soil(terrain: &Terrain, water: &Water, rules: &SoilRules, run: &Run) -> Result<Raster<u8>, Stopped> {
     let rocks = rock_fall(terrain, rules, run)?;
+    let radius = (rules.rock_radius_m / terrain.grid().cell_m).min(1000.0) as usize;
+    let relief = box_mean(&terrain.slope, radius);
     let kind = |cell: usize| {
         let slope = terrain.slope.data[cell];
         if water.is_open(cell) {
@@ -64,7 +71,7 @@ pub fn soil(terrain: &Terrain, water: &Water, rules: &SoilRules, run: &Run) -> R
             Soil::Alluvium
         } else if rocks[cell] && slope <= rules.cliff_slope {
             Soil::FallenRocks
-        } else if slope <= rules.marl_slope {
+        } else if relief.data[cell] <= rules.marl_slope {
             Soil::Marl
         } else {
             Soil::Limestone

@@ -23,6 +23,7 @@ use crate::compute::ecosystem::scales::MoistureScale;
 use crate::compute::ecosystem::terrain::Terrain;
 use crate::compute::ecosystem::water::Water;
 use crate::compute::raster::Raster;
+use crate::compute::raster::box_mean;
 use rayon::prelude::*;
 
 /// Moisture of ground that is full of water in its wettest month: 8 is "flooded for months" in
@@ -67,8 +68,9 @@ pub fn moisture(
     let mean = rain.iter().sum::<f64>() / MONTHS as f64;
     let (convert, offset) = conversion(scale, rain.map(|month| month - mean));
     let (wettest, driest) = offset.iter().fold((0.0, 0.0), |(w, d), o| (o.max(w), o.min(d)));
+    let index = box_mean(&drainage_index(terrain, water, &rules), SMOOTHING);
     let ground = |cell: usize| {
-        let dry = convert(drainage_index(terrain, water, cell, &rules) + mean).min(SATURATED - wettest);
+        let dry = convert(f64::from(index.data[cell]) + mean).min(SATURATED - wettest);
         let damp = libm::exp(-f64::from(water.above_water_m.data[cell]) / rules.damp_height_m);
         dry + damp * (SATURATED - wettest - dry)
     };
@@ -94,14 +96,25 @@ fn conversion(scale: MoistureScale, rain: [f64; MONTHS]) -> (Box<dyn Fn(f64) -> 
     }
 }
 
-/// ln(a / (tan β · 1 km)) at a cell.
-fn drainage_index(terrain: &Terrain, water: &Water, cell: usize, rules: &MoistureRules) -> f64 {
+/// Radius in cells over which the index is averaged (ours): water that the grid leads from cell to
+/// cell wets the ground beside it.
+const SMOOTHING: usize = 1;
+
+/// ln(a / (tan β · 1 km)) of every cell; NaN where there is no data.
+fn drainage_index(terrain: &Terrain, water: &Water, rules: &MoistureRules) -> Raster<f32> {
     let cell_m = terrain.grid().cell_m;
-    let slope = f64::from(terrain.slope.data[cell]);
-    // What drains to the centre of the cell.
-    let above = (f64::from(water.drainage_m2.data[cell]) / cell_m - 0.5 * cell_m).max(0.0);
-    let gathered = above * (slope / rules.level_grade).min(1.0);
-    libm::log((rules.own_length_m + gathered) * 1e-3 / slope.max(rules.level_grade))
+    let index = |(slope, drainage): (&f32, &f32)| {
+        let (slope, drainage) = (f64::from(*slope), f64::from(*drainage));
+        if slope.is_nan() || drainage.is_nan() {
+            return f32::NAN;
+        }
+        // What drains to the centre of the cell.
+        let above = (drainage / cell_m - 0.5 * cell_m).max(0.0);
+        let gathered = above * (slope / rules.level_grade).min(1.0);
+        libm::log((rules.own_length_m + gathered) * 1e-3 / slope.max(rules.level_grade)) as f32
+    };
+    let data = terrain.slope.data.par_iter().zip(&water.drainage_m2.data).map(index).collect();
+    Raster { grid: terrain.grid(), data }
 }
 
 #[cfg(test)]
