@@ -32,6 +32,7 @@ use biotope::compute::random::Stream;
 use biotope::compute::raster::Grid;
 use biotope::compute::raster::Raster;
 use biotope::compute::run::Run;
+use std::sync::OnceLock;
 
 /// A terrain with water, trees and plants, and the animals that may live there.
 struct World {
@@ -227,12 +228,15 @@ fn random_world(seed: u64) -> World {
     world
 }
 
-fn worlds() -> impl Iterator<Item = (World, Solved)> {
-    (0..30).map(|seed| {
+/// Thirty random worlds, solved once for all tests.
+fn worlds() -> impl Iterator<Item = &'static (World, Solved)> {
+    static WORLDS: OnceLock<Vec<(World, Solved)>> = OnceLock::new();
+    let solved = |seed: u64| {
         let world = random_world(seed);
         let solved = world.solve();
         (world, solved)
-    })
+    };
+    WORLDS.get_or_init(|| (0..30).map(solved).collect()).iter()
 }
 
 fn foods(world: &World) -> impl Iterator<Item = Food> {
@@ -247,9 +251,9 @@ fn is_inhabited(solved: &Solved) -> bool {
 fn nowhere_is_more_eaten_than_can_be_spared_and_all_that_is_eaten_is_needed() {
     let mut inhabited = 0;
     for (world, solved) in worlds() {
-        inhabited += usize::from(is_inhabited(&solved));
+        inhabited += usize::from(is_inhabited(solved));
         let population = &solved.population;
-        for food in foods(&world) {
+        for food in foods(world) {
             let stock = population.stocks.of(food).unwrap();
             for part in 0..solved.regions.parts() {
                 let spare = stock.growth_kg[part] * stock.offtake;
@@ -257,7 +261,7 @@ fn nowhere_is_more_eaten_than_can_be_spared_and_all_that_is_eaten_is_needed() {
                 assert!((0.0..=1.0).contains(&stock.surplus_share(part)));
             }
         }
-        let eaten: f64 = foods(&world).flat_map(|f| population.stocks.of(f).unwrap().eaten_kg.clone()).sum();
+        let eaten: f64 = foods(world).flat_map(|f| population.stocks.of(f).unwrap().eaten_kg.clone()).sum();
         let needed: f64 =
             (0..world.animals.len()).map(|s| population.total(s) as f64 * world.animals[s].food_kg_per_year).sum();
         assert!((eaten - needed).abs() <= 1e-6 * needed, "{eaten} {needed}");

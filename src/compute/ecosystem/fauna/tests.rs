@@ -158,7 +158,7 @@ fn the_leanest_season_and_the_room_a_species_needs_bound_the_herd() {
     assert_eq!(lean.total(0), 5 * (SPARE_KG * 0.4 / 3000.0).floor() as u64);
     let shy = FaunaOptions { max_density_per_km2: vec![20.0], ..FaunaOptions::default() };
     let (_, few) = Plain::new().solve(&animals, &shy);
-    assert_eq!(few.total(0), 5, "half a km² holds ten, a second unit would make ten: {}", few.total(0));
+    assert_eq!(few.total(0), 5, "49.5 ha at 20 a km² hold nine: one unit of five");
 }
 
 #[test]
@@ -181,4 +181,14 @@ fn nodes_cover_their_pool_and_stay_within_the_allowed_number() {
             assert!(node.area.cells().all(|c| regions.region(0, c).is_some()));
         }
     }
+}
+
+#[test]
+fn thousands_of_units_placed_in_batches_keep_the_shares_and_use_the_food() {
+    let animals = [grazer("hare", 1, 4.0, Some(70.0)), grazer("deer", 2, 9.0, Some(30.0))];
+    let (_, population) = Plain::new().solve(&animals, &FaunaOptions::default());
+    let count = [population.total(0), population.total(1)];
+    assert!(count[0] > 4000 && distance(&count, &[0.7, 0.3]) < 0.005, "{count:?}");
+    let eaten: f64 = population.stocks.of(Food::Plant(0)).unwrap().eaten_kg.iter().sum();
+    assert!(eaten > 0.995 * SPARE_KG && eaten <= SPARE_KG * (1.0 + 1e-12), "{eaten}");
 }

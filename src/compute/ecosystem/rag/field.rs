@@ -57,11 +57,11 @@ impl Field<'_> {
         self.source_row(row, buffer);
         let parts = &regions.part.data[row * buffer.len()..][..buffer.len()];
         for (column, (amount, part)) in buffer.iter().zip(parts).enumerate() {
-            if *part == NOWHERE || !(*amount > 0.0) {
+            if *part == NOWHERE {
                 continue;
             }
             let (group, share) = (self.group[*part as usize], self.share[*part as usize]);
-            if group != NOWHERE && share > 0.0 {
+            if *amount > 0.0 && group != NOWHERE && share > 0.0 {
                 visit(column, *part, group, f64::from(*amount) * share);
             }
         }

@@ -86,7 +86,7 @@ pub(crate) fn is_open(ground: &Ground<'_>, opened: &OpenedCells, mobility: &Mobi
     let steepest = mobility.max_slope_up.max(mobility.max_slope_down) as f32;
     let known = !ground.height.data[cell].is_nan();
     let gentle = ground.slope.data[cell] <= steepest || ground.slope.data[cell].is_nan();
-    let airy = !(ground.tree_cover.data[cell] > mobility.max_tree_cover as f32);
-    let shallow = !(ground.water_depth.data[cell] > mobility.ford_depth_m as f32);
-    known && (shallow || opened.is_ford(cell)) && ((gentle && airy) || opened.is_waypoint(cell))
+    let dense = ground.tree_cover.data[cell] > mobility.max_tree_cover as f32;
+    let deep = ground.water_depth.data[cell] > mobility.ford_depth_m as f32;
+    known && (!deep || opened.is_ford(cell)) && ((gentle && !dense) || opened.is_waypoint(cell))
 }

@@ -9,6 +9,9 @@ use rayon::prelude::*;
 /// No room.
 pub(super) const NONE: u16 = u16::MAX;
 
+/// Cells of a full tile whose slopes are looked at.
+const SAMPLES: usize = 16;
+
 /// A **room**: the cells of a tile that are connected within the tile. A tile that a river or a
 /// cliff cuts holds a room on either side, and a ford of one cell joins them: nothing is lost by
 /// searching over rooms instead of cells but the exact length of the way within them.
@@ -67,6 +70,7 @@ fn rooms_of_tile(steps: &Steps<'_>, tiling: &Tiling, (column, row): (usize, usiz
     let (side, width) = (tiling.side(), grid.width);
     let columns = column * side..((column + 1) * side).min(width);
     let rows = row * side..((row + 1) * side).min(grid.height);
+    let every = (side * side / SAMPLES).max(1);
     let mut rooms: Vec<Tally> = Vec::new();
     let mut stack = Vec::new();
     for start in rows.clone().flat_map(|y| columns.clone().map(move |x| (x, y))) {
@@ -80,7 +84,7 @@ fn rooms_of_tile(steps: &Steps<'_>, tiling: &Tiling, (column, row): (usize, usiz
         stack.push(start);
         while let Some((x, y)) = stack.pop() {
             let cell = grid.index(x, y);
-            tally.add(steps, (x, y));
+            tally.add(steps, (x, y), every);
             for (dx, dy) in &MOVES[..4] {
                 let next = (x.wrapping_add_signed(*dx), y.wrapping_add_signed(*dy));
                 let inside = columns.contains(&next.0) && rows.contains(&next.1);
@@ -107,11 +111,16 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, steps: &Steps<'_>, (x, y): (usize, usize)) {
+    /// Adds a cell; every so manieth one is asked for the slowness of its steps.
+    fn add(&mut self, steps: &Steps<'_>, (x, y): (usize, usize), every: usize) {
         let cell_m = steps.grid().cell_m;
+        let is_sample = (self.cells as usize).is_multiple_of(every);
         self.cells += 1;
         self.columns += x as f64;
         self.rows += y as f64;
+        if !is_sample {
+            return;
+        }
         let around = steps.around(x, y, 1);
         for which in 0..NEIGHBOURS {
             let seconds = around.seconds(which);
