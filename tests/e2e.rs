@@ -131,7 +131,7 @@ fn answer(sent: Result<ureq::http::Response<ureq::Body>, ureq::Error>) -> (u16, 
 }
 
 fn echo(message: &str, pause_s: f64) -> Value {
-    json!({"inputs": {"message": message, "pause_s": pause_s}})
+    json!({"inputs": {"value": message, "pause_s": pause_s}})
 }
 
 #[test]
@@ -230,13 +230,13 @@ fn run_writes_every_output_of_a_request_in_a_file() {
     let mut names: Vec<_> =
         std::fs::read_dir(&out).expect("the folder").map(|f| f.expect("a file").file_name()).collect();
     names.sort();
-    assert_eq!(names, ["manifest.json", "message.json", "warnings.json"]);
-    assert_eq!(std::fs::read_to_string(out.join("message.json")).expect("an output"), "\"from a file\"");
+    assert_eq!(names, ["manifest.json", "value.json", "warnings.json"]);
+    assert_eq!(std::fs::read_to_string(out.join("value.json")).expect("an output"), "\"from a file\"");
     std::fs::write(&file, json!({"inputs": {"pause_s": -1}}).to_string()).expect("a request");
     let failed = run.output().expect("an end");
     let said = String::from_utf8_lossy(&failed.stderr);
     assert_eq!(failed.status.code(), Some(1));
-    assert!(said.contains("/inputs/message") && said.contains("/inputs/pause_s"), "{said}");
+    assert!(said.contains("/inputs/value") && said.contains("/inputs/pause_s"), "{said}");
 }
 
 #[test]
@@ -275,7 +275,7 @@ fn a_body_that_does_not_arrive_is_answered_in_time() {
     let mut reply = String::new();
     let _until_closed = stream.read_to_string(&mut reply);
     assert!(reply.starts_with("HTTP/1.1 408") && reply.contains("body-too-slow"), "{reply}");
-    let large = json!({"inputs": {"message": "x".repeat(3 << 20)}});
+    let large = json!({"inputs": {"value": "x".repeat(3 << 20)}});
     assert_eq!(server.post("/processes/echo/execution", &large).0, 413);
     assert_eq!(server.get("/health").0, 200);
 }

@@ -10,8 +10,8 @@ use serde_json::Value;
 #[serde(deny_unknown_fields)]
 pub struct EchoInputs {
     /// What to answer: any JSON value.
-    #[schemars(title = "Message")]
-    pub message: Value,
+    #[schemars(title = "Value")]
+    pub value: Value,
     /// How long to wait before answering, in seconds. Default: 0.
     #[schemars(title = "Pause", range(min = 0.0, max = 3600.0))]
     #[serde(default)]

@@ -82,6 +82,7 @@ pub fn pieces(
         let failed = piece.is_err();
         Some((piece, (body, seen, failed)))
     })
+    .fuse()
 }
 
 /// Reads on for a while and throws away: a client that still writes would otherwise see a broken

@@ -9,6 +9,7 @@ use axum::http::StatusCode;
 use axum::http::header;
 use axum::response::Response;
 use biotope_api::error::ErrorCode;
+use futures_util::StreamExt as _;
 use futures_util::stream;
 
 use crate::http::document::holds;
@@ -108,7 +109,8 @@ fn wanted(headers: &HeaderMap, tag: &str, size: u64) -> Wanted {
 }
 
 fn stream_of(jobs: Jobs, delivery: Delivery, range: Range<u64>) -> Body {
-    Body::from_stream(stream::unfold(range.start, move |from| {
+    // Fused: the compression asks once more after the end.
+    let pieces = stream::unfold(range.start, move |from| {
         let (jobs, delivery, to) = (jobs.clone(), delivery.clone(), range.end.min(from + PIECE));
         async move {
             if from >= to {
@@ -120,7 +122,8 @@ fn stream_of(jobs: Jobs, delivery: Delivery, range: Range<u64>) -> Body {
             }
             Some((piece, to))
         }
-    }))
+    });
+    Body::from_stream(pieces.fuse())
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ impl Process for Echo {
             keywords: &["test"],
             control: QUICK,
             inputs: inputs_schema::<EchoInputs>(),
-            outputs: vec![Output::new("message", "Message", "The message given, unchanged.", Kind::Json)],
+            outputs: vec![Output::new("value", "Value", "The value given, unchanged.", Kind::Json)],
         }
     }
 
@@ -61,7 +61,7 @@ impl Job for EchoJob {
 
     fn run(self: Box<Self>, context: &mut JobContext<'_>) -> Result<(), Failure> {
         self.pause(context)?;
-        context.put("message", Artefact::Json(self.inputs.message))
+        context.put("value", Artefact::Json(self.inputs.value))
     }
 }
 

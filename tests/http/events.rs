@@ -23,7 +23,7 @@ fn events(text: &str) -> Vec<(String, String, Value)> {
 #[tokio::test]
 async fn a_stream_tells_the_progress_and_ends_with_the_job() {
     let app = TestApp::new().await;
-    let job = app.submit("echo", &json!({"inputs": {"message": 1, "pause_s": 0.4}})).await;
+    let job = app.submit("echo", &json!({"inputs": {"value": 1, "pause_s": 0.4}})).await;
     let reply = app.get(&format!("{job}/events")).await;
     assert_eq!(reply.header("content-type"), "text/event-stream");
     let all = events(&reply.text());
@@ -41,7 +41,7 @@ async fn a_stream_tells_the_progress_and_ends_with_the_job() {
 #[tokio::test]
 async fn a_client_that_comes_back_hears_what_it_has_missed_and_no_more() {
     let app = TestApp::new().await;
-    let job = app.submit("echo", &json!({"inputs": {"message": 1, "pause_s": 0.8}})).await;
+    let job = app.submit("echo", &json!({"inputs": {"value": 1, "pause_s": 0.8}})).await;
     tokio::time::sleep(std::time::Duration::from_millis(400)).await;
     let path = format!("{job}/events");
     let rest = app.ask(Method::GET, &path, &[("last-event-id", "1-2")], "").await;
@@ -52,7 +52,7 @@ async fn a_client_that_comes_back_hears_what_it_has_missed_and_no_more() {
 #[tokio::test]
 async fn the_stream_of_a_finished_job_is_its_last_status() {
     let app = TestApp::new().await;
-    let (job, _) = app.finish("echo", &json!({"inputs": {"message": 1}})).await;
+    let (job, _) = app.finish("echo", &json!({"inputs": {"value": 1}})).await;
     let all = events(&app.get(&format!("{job}/events")).await.text());
     assert_eq!(all.len(), 1);
     assert_eq!(all[0].2["status"], "successful");

@@ -7,21 +7,21 @@ use crate::support::TestApp;
 #[tokio::test]
 async fn a_quick_process_answers_at_once_and_a_heavy_one_by_a_job() {
     let app = TestApp::new().await;
-    let now = app.execute("echo", &json!({"inputs": {"message": "hello"}}), &[("prefer", "respond-sync")]).await;
-    assert_eq!((now.status, &now.json()["message"]), (StatusCode::OK, &json!("hello")));
+    let now = app.execute("echo", &json!({"inputs": {"value": "hello"}}), &[("prefer", "respond-sync")]).await;
+    assert_eq!((now.status, &now.json()["value"]), (StatusCode::OK, &json!("hello")));
     assert!(now.header("link").contains("rel=\"monitor\""));
     let later = app.execute("trouble", &json!({"inputs": {"kind": "fine"}}), &[]).await;
     assert_eq!(later.status, StatusCode::CREATED);
     assert!(later.header("location").starts_with("/jobs/"));
     assert_eq!(later.json()["status"], "accepted");
-    let asked = app.execute("echo", &json!({"inputs": {"message": 1}}), &[("prefer", "respond-async ")]).await;
+    let asked = app.execute("echo", &json!({"inputs": {"value": 1}}), &[("prefer", "respond-async ")]).await;
     assert_eq!((asked.status, asked.header("preference-applied")), (StatusCode::CREATED, "respond-async"));
 }
 
 #[tokio::test]
 async fn an_answer_is_held_back_as_long_as_the_client_waits_and_no_longer() {
     let app = TestApp::new().await;
-    let slow = json!({"inputs": {"message": 1, "pause_s": 30}});
+    let slow = json!({"inputs": {"value": 1, "pause_s": 30}});
     let reply = app.execute("echo", &slow, &[("prefer", "wait=1")]).await;
     assert_eq!(reply.status, StatusCode::CREATED);
     app.delete(reply.header("location")).await;
@@ -39,8 +39,8 @@ async fn every_fault_of_a_request_is_reported_before_anything_is_queued() {
     faults.sort_by_key(|(pointer, _)| pointer.to_string());
     let expected = [
         ("/inputs/colour", "unknown-field"),
-        ("/inputs/message", "missing"),
         ("/inputs/pause_s", "out-of-range"),
+        ("/inputs/value", "missing"),
         ("/outputs/nothing", "unknown-output"),
     ]
     .map(|(pointer, code)| (json!(pointer), json!(code)));
@@ -63,14 +63,14 @@ async fn a_body_must_be_json_of_the_form_of_an_execution() {
     {
         assert_eq!(post(body).await.assert_problem(400, "invalid-input")["errors"][0]["pointer"], pointer, "{body}");
     }
-    let more = r#"{"inputs": {"message": 1}, "mode": "async", "subscriber": {}}"#;
+    let more = r#"{"inputs": {"value": 1}, "mode": "async", "subscriber": {}}"#;
     assert_eq!(post(more).await.status, StatusCode::OK, "unknown members are ignored");
 }
 
 #[tokio::test]
 async fn a_retry_with_the_same_key_makes_no_second_job() {
     let app = TestApp::new().await;
-    let (one, other) = (json!({"inputs": {"message": 1}}), json!({"inputs": {"message": 2}}));
+    let (one, other) = (json!({"inputs": {"value": 1}}), json!({"inputs": {"value": 2}}));
     let headers = [("idempotency-key", "k"), ("prefer", "respond-async")];
     let first = app.execute("echo", &one, &headers).await;
     let again = app.execute("echo", &one, &headers).await;

@@ -11,7 +11,7 @@ fn ids(list: &Value) -> Vec<&str> {
 #[tokio::test]
 async fn a_status_has_the_fields_of_both_versions_of_the_standard() {
     let app = TestApp::new().await;
-    let (job, status) = app.finish("echo", &json!({"inputs": {"message": 1}})).await;
+    let (job, status) = app.finish("echo", &json!({"inputs": {"value": 1}})).await;
     assert_eq!(status["jobID"], status["id"]);
     assert_eq!((&status["type"], &status["processingEntityType"]), (&json!("process"), &json!("ogc-api-processes")));
     assert_eq!((&status["status"], &status["progress"]), (&json!("successful"), &json!(100)));
@@ -28,7 +28,7 @@ async fn the_list_is_newest_first_filtered_and_paged() {
     let app = TestApp::new().await;
     let mut made = Vec::new();
     for message in 0..3 {
-        made.push(app.finish("echo", &json!({"inputs": {"message": message}})).await.0.replace("/jobs/", ""));
+        made.push(app.finish("echo", &json!({"inputs": {"value": message}})).await.0.replace("/jobs/", ""));
     }
     let (failed, _) = app.finish("trouble", &json!({"inputs": {"kind": "fault"}})).await;
     made.reverse();
@@ -82,7 +82,7 @@ async fn a_dismissed_job_stops_and_its_results_are_gone() {
     app.get(&format!("{job}/results")).await.assert_problem(410, "job-dismissed");
     app.get(&format!("{job}/results/manifest")).await.assert_problem(410, "job-dismissed");
     assert_eq!(app.delete(&job).await.json()["status"], "dismissed", "giving up twice is no fault");
-    let (done, _) = app.finish("echo", &json!({"inputs": {"message": 1}})).await;
+    let (done, _) = app.finish("echo", &json!({"inputs": {"value": 1}})).await;
     assert_eq!(app.delete(&done).await.json()["status"], "dismissed");
     app.get(&format!("{done}/results")).await.assert_problem(410, "job-dismissed");
 }

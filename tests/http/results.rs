@@ -74,7 +74,7 @@ async fn a_request_chooses_what_is_kept_and_how_it_is_handed_over() {
 #[tokio::test]
 async fn raw_gives_the_bytes_of_one_output_and_the_document_of_several() {
     let app = TestApp::new().await;
-    let one = json!({"inputs": {"message": "hello"}, "response": "raw"});
+    let one = json!({"inputs": {"value": "hello"}, "response": "raw"});
     assert_eq!(app.execute("echo", &one, &[]).await.text(), "\"hello\"");
     let format = json!({"maps.height": {"format": {"mediaType": "image/png"}}});
     let (job, _) = app.finish("zoo", &json!({"inputs": zoo()["inputs"], "outputs": format, "response": "raw"})).await;
@@ -122,6 +122,22 @@ async fn files_are_served_in_ranges_and_not_again_to_those_who_hold_them() {
     let png = app.get(&format!("{job}/results/maps.height?f=png")).await.header("etag").to_owned();
     let tif = app.get(&format!("{job}/results/maps.height?f=tif")).await.header("etag").to_owned();
     assert_ne!(png, tif);
+}
+
+#[tokio::test]
+async fn compressed_results_arrive_whole_under_a_weak_tag() {
+    let app = TestApp::new().await;
+    let (job, _) = app.finish("zoo", &zoo()).await;
+    let path = format!("{job}/results/manifest");
+    let plain = app.get(&path).await;
+    let zipped = app.ask(Method::GET, &path, &[("accept-encoding", "gzip")], "").await;
+    assert_eq!((zipped.header("content-encoding"), zipped.header("accept-ranges")), ("gzip", ""));
+    let mut whole = Vec::new();
+    std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(zipped.bytes.as_slice()), &mut whole).unwrap();
+    assert_eq!(whole, plain.bytes);
+    assert_eq!(zipped.header("etag"), format!("W/{}", plain.header("etag")));
+    let tif = app.ask(Method::GET, &format!("{job}/results/maps.height"), &[("accept-encoding", "gzip")], "").await;
+    assert_eq!(tif.header("content-encoding"), "", "rasters are packed already");
 }
 
 #[tokio::test]

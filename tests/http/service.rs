@@ -22,7 +22,7 @@ async fn the_entrance_leads_to_everything_an_ogc_client_looks_for() {
 #[tokio::test]
 async fn health_counts_jobs_and_metrics_name_them() {
     let app = TestApp::new().await;
-    app.finish("echo", &serde_json::json!({"inputs": {"message": 1}})).await;
+    app.finish("echo", &serde_json::json!({"inputs": {"value": 1}})).await;
     let health = app.get("/health").await.json();
     assert_eq!(health["status"], "ok");
     assert_eq!(health["jobs"]["running"], 0);
@@ -37,7 +37,7 @@ async fn a_service_that_drains_is_not_ready_and_takes_no_work() {
     let app = TestApp::new().await;
     app.app.jobs.drain(std::time::Duration::from_millis(10)).await;
     app.get("/readyz").await.assert_problem(503, "draining");
-    let body = serde_json::json!({"inputs": {"message": 1}});
+    let body = serde_json::json!({"inputs": {"value": 1}});
     let reply = app.execute("echo", &body, &[]).await;
     reply.assert_problem(503, "draining");
     assert!(!reply.header("retry-after").is_empty());

@@ -46,7 +46,7 @@ async fn running(jobs: &Jobs, id: JobId) {
 async fn a_job_that_was_stopped_by_the_service_runs_again_at_the_next_start() {
     let folder = tempfile::tempdir().unwrap();
     let first = open(folder.path()).await;
-    let id = submitted(&first, "echo", json!({"message": 5, "pause_s": 0.5})).await;
+    let id = submitted(&first, "echo", json!({"value": 5, "pause_s": 0.5})).await;
     running(&first, id).await;
     first.drain(Duration::from_secs(5)).await;
     let row = first.status(id).await.unwrap().unwrap();

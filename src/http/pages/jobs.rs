@@ -204,7 +204,7 @@ fn figure(view: &OutputView, whole: bool) -> String {
 /// Documents and tables: the summary open, the others to be opened.
 fn documents(outputs: &[OutputView]) -> String {
     let shown: Vec<_> = outputs.iter().filter(|v| matches!(v.kind, Kind::Json | Kind::Table | Kind::Tables)).collect();
-    let open = |view: &OutputView| ["summary", "report", "message"].contains(&view.id.as_str());
+    let open = |view: &OutputView| ["summary", "report", "value"].contains(&view.id.as_str());
     let section = |view: &&OutputView| {
         let inside = match &view.artefact {
             Some(artefact) => contents(artefact),
