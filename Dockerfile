@@ -11,6 +11,7 @@ RUN cargo build --release --locked --bin biotope
 FROM debian:bookworm-slim
 RUN useradd --system --uid 10001 --create-home --home-dir /data biotope
 COPY --from=build /src/target/release/biotope /usr/local/bin/biotope
+COPY --from=build /src/api/examples /usr/local/share/biotope/examples
 USER 10001
 VOLUME /data
 EXPOSE 8080

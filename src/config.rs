@@ -47,6 +47,9 @@ pub struct Work {
     /// Jobs that may wait; more are answered 503.
     #[arg(long, env = "BIOTOPE_QUEUE", default_value_t = 256)]
     pub queue: u64,
+    /// Disk that results of stages and encoded forms may take, in GiB; the oldest are dropped.
+    #[arg(long, env = "BIOTOPE_CACHE_GIB", default_value_t = 20)]
+    pub cache_gib: u64,
 }
 
 /// What a request may be.
@@ -95,6 +98,7 @@ impl Work {
             quick_jobs: usize::from(self.quick_jobs),
             memory_bytes: self.memory_mib.map_or_else(usable_memory, |mib| mib << 20),
             waiting_jobs: self.queue,
+            cache_bytes: self.cache_gib << 30,
         }
     }
 }

@@ -22,7 +22,7 @@ use crate::jobs::queue::Row;
 use crate::jobs::references::each_href;
 
 /// The sample: a process and its request.
-const SAMPLE: (&str, &str) = ("echo", "echo.json");
+const SAMPLE: (&str, &str) = ("ecosystem", "ecosystem-tautavel-mild.json");
 
 /// Serves the API, runs the sample and shows where its maps are.
 #[derive(Debug, Args)]

@@ -14,11 +14,14 @@ pub struct Settings {
     pub memory_bytes: u64,
     /// Jobs that may wait. Default: 256.
     pub waiting_jobs: u64,
+    /// Disk that the results of stages and encoded forms may take, in bytes; the oldest are
+    /// dropped. Default: 20 GiB.
+    pub cache_bytes: u64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        Self { threads, heavy_jobs: 2, quick_jobs: 4, memory_bytes: 4 << 30, waiting_jobs: 256 }
+        Self { threads, heavy_jobs: 2, quick_jobs: 4, memory_bytes: 4 << 30, waiting_jobs: 256, cache_bytes: 20 << 30 }
     }
 }

@@ -75,6 +75,7 @@ fn launch(inner: &Arc<Inner>, lane: Lane, row: Row) {
     let begun = std::thread::Builder::new().name("job".to_owned()).spawn(move || {
         work(&shared, &claimed, &live, &handle);
         leave(&shared, lane, &claimed);
+        trim(&shared, &handle);
     });
     if let Err(error) = begun {
         tracing::error!(%error, job = %row.id, "no thread for a job; it runs again at the next start");
@@ -86,6 +87,15 @@ fn leave(inner: &Inner, lane: Lane, row: &Row) {
     inner.lives().remove(&row.id);
     inner.places().give_back(lane, row.memory_bytes);
     inner.changed();
+}
+
+/// Drops what is oldest of what can be made again.
+fn trim(inner: &Inner, handle: &Handle) {
+    match handle.block_on(inner.store.trim(inner.settings.cache_bytes)) {
+        Ok(0) => {}
+        Ok(removed) => tracing::info!(removed, "dropped old results of stages"),
+        Err(error) => tracing::warn!(%error, "old results of stages could not be dropped"),
+    }
 }
 
 /// Runs a claimed row and writes down what came of it.

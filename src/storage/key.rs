@@ -17,6 +17,9 @@ pub enum Key {
 }
 
 impl Key {
+    /// The folders of what can be made again.
+    pub(super) const REMAKEABLE: [&'static str; 2] = ["stages", "encoded"];
+
     /// The path of the key in the store.
     pub fn path(&self) -> Path {
         match self {

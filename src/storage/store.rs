@@ -5,12 +5,14 @@ use std::sync::Arc;
 use bytes::Bytes;
 use futures_util::Stream;
 use futures_util::StreamExt as _;
+use futures_util::TryStreamExt as _;
 use object_store::ObjectStore;
 use object_store::ObjectStoreExt as _;
 use object_store::PutPayload;
 use object_store::buffered::BufWriter;
 use object_store::local::LocalFileSystem;
 use object_store::memory::InMemory;
+use object_store::path::Path;
 use sha2::Digest as _;
 use sha2::Sha256;
 use tokio::io::AsyncWriteExt as _;
@@ -136,6 +138,33 @@ impl Store {
         }
     }
 
+    /// Removes the oldest results of stages and encoded forms until those left take at most
+    /// `limit` bytes; returns how many were removed. All of them can be made again.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub async fn trim(&self, limit: u64) -> Result<usize, StoreError> {
+        let mut found = Vec::new();
+        for folder in Key::REMAKEABLE {
+            let prefix = Path::from(folder);
+            let backend = |cause| StoreError::Backend { key: folder.to_owned(), cause };
+            found.extend(self.0.list(Some(&prefix)).try_collect::<Vec<_>>().await.map_err(backend)?);
+        }
+        found.sort_by_key(|entry| std::cmp::Reverse(entry.last_modified));
+        let mut kept = 0;
+        let spare = found.into_iter().filter(|entry| {
+            kept += entry.size;
+            kept > limit
+        });
+        let mut removed = 0;
+        for entry in spare {
+            let backend = |cause| StoreError::Backend { key: entry.location.to_string(), cause };
+            self.0.delete(&entry.location).await.map_err(backend)?;
+            removed += 1;
+        }
+        Ok(removed)
+    }
+
     /// Removes what stands under `key`, if anything.
     ///
     /// # Errors
@@ -159,6 +188,21 @@ fn fault(key: &Key, cause: object_store::Error) -> StoreError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[tokio::test]
+    async fn trimming_takes_the_oldest_of_what_can_be_made_again_and_nothing_else() {
+        let store = Store::in_memory();
+        let blob = store.put_blob(Bytes::from_static(b"kept")).await.unwrap();
+        let keys: Vec<_> = [b"a", b"b", b"c"].map(|name| Key::Stage(Digest::of(name))).into();
+        for key in &keys {
+            store.put(key, Bytes::from_static(b"0123456789")).await.unwrap();
+            tokio::time::sleep(std::time::Duration::from_millis(2)).await;
+        }
+        assert_eq!(store.trim(25).await.unwrap(), 1);
+        assert!(!store.contains(&keys[0]).await.unwrap() && store.contains(&keys[2]).await.unwrap());
+        assert_eq!(store.trim(0).await.unwrap(), 2);
+        assert!(store.contains(&Key::Blob(blob)).await.unwrap());
+    }
 
     #[tokio::test]
     async fn the_same_bytes_are_stored_once_and_read_back() {

@@ -15,20 +15,19 @@ use biotope::storage::Store;
 pub fn examples() -> Vec<(String, PathBuf)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("api/examples");
     let files = std::fs::read_dir(folder).expect("the examples").map(|entry| entry.expect("a file").path());
-    let mut found: Vec<_> =
-        files.filter(|path| path.extension().is_some_and(|e| e == "json")).filter_map(named).collect();
+    let mut found: Vec<_> = files.filter(|path| path.extension().is_some_and(|e| e == "json")).map(named).collect();
     found.sort();
     found
 }
 
 /// An example is named by its process, or by its process and a word that tells it from others.
-fn named(path: PathBuf) -> Option<(String, PathBuf)> {
+fn named(path: PathBuf) -> (String, PathBuf) {
     let stem = path.file_stem().expect("a name").to_string_lossy().into_owned();
     let registry = Registry::standard().expect("schemas");
     let ids = registry.entries().iter().map(|entry| entry.description.id);
     let fits = |id: &&str| stem == *id || stem.strip_prefix(id).is_some_and(|rest| rest.starts_with('-'));
-    let process = ids.filter(fits).max_by_key(|id| id.len())?;
-    Some((process.to_owned(), path))
+    let process = ids.filter(fits).max_by_key(|id| id.len()).unwrap_or_else(|| panic!("{stem} names no process"));
+    (process.to_owned(), path)
 }
 
 /// Digest of every output of a request solved on so many threads.

@@ -137,7 +137,14 @@ impl Reply {
 
 /// Two threads and room for everything.
 pub fn settings() -> Settings {
-    Settings { threads: 2, heavy_jobs: 2, quick_jobs: 4, memory_bytes: 1 << 30, waiting_jobs: 100 }
+    Settings {
+        threads: 2,
+        heavy_jobs: 2,
+        quick_jobs: 4,
+        memory_bytes: 1 << 30,
+        waiting_jobs: 100,
+        ..Settings::default()
+    }
 }
 
 /// The processes of the service and those of the tests.
