@@ -99,6 +99,18 @@ pub fn growth_per_year(mass_kg: f64) -> Estimate {
     )
 }
 
+/// Individuals per km²: 10^4.23·M^−0.75 for primary consumers, M in g (Damuth 1981, Nature
+/// 290:699–700); a hundredth of that for those that eat animals (ours: within a factor of ten of
+/// the densities of wolf, brown bear and red fox in PanTHERIA, Jones et al. 2009).
+pub fn density_per_km2(mass_kg: f64, eats_animals: bool) -> Estimate {
+    let consumer = libm::pow(10.0, 4.23) * libm::pow(1000.0 * mass_kg, -0.75);
+    if eats_animals {
+        estimate(0.01 * consumer, "a hundredth (ours) of 10^4.23 M^-0.75 individuals per km2, M in g (Damuth 1981)")
+    } else {
+        estimate(consumer, "10^4.23 M^-0.75 individuals per km2, M in g (Damuth 1981)")
+    }
+}
+
 /// Walking speed on flat ground, m/s: 5 to 8 km/h, the range of the authors' sample; between
 /// them by the logarithm of the mass from 10 kg to 1 t (ours).
 pub fn speed_m_per_s(mass_kg: f64) -> Estimate {
@@ -166,6 +178,17 @@ mod tests {
         assert!((0.1..0.2).contains(&growth_per_year(850.0).value));
         assert!((0.8..1.0).contains(&ford_depth_m(850.0).value));
         assert!((5.0 / 3.6..8.0 / 3.6).contains(&speed_m_per_s(160.0).value));
+    }
+
+    #[test]
+    fn densities_by_mass_lie_within_a_factor_of_ten_of_those_observed() {
+        // Bison, red and fallow deer, wolf, brown bear, red fox; PanTHERIA, per km².
+        let grazers = [(625.0, 0.28), (241.0, 2.9), (57.0, 21.99)].map(|(mass, d)| (mass, d, false));
+        let hunters = [(31.8, 0.01), (196.0, 0.02), (4.8, 1.1)].map(|(mass, d)| (mass, d, true));
+        for (mass, observed, eats_animals) in grazers.into_iter().chain(hunters) {
+            let ratio = density_per_km2(mass, eats_animals).value / observed;
+            assert!((0.1..10.0).contains(&ratio), "{mass} kg: {ratio}");
+        }
     }
 
     #[test]

@@ -27,7 +27,6 @@ pub mod planning;
 pub mod presence;
 pub mod rag;
 pub mod regions;
-pub mod relatives;
 pub mod resources;
 pub mod scales;
 mod slabs;

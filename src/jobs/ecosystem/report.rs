@@ -5,6 +5,7 @@ use biotope_api::warning::WarningCode;
 use serde_json::Value;
 use serde_json::json;
 
+use crate::compute::ecosystem::allometry;
 use crate::compute::ecosystem::biomes;
 use crate::compute::ecosystem::fauna;
 use crate::compute::ecosystem::fauna::Population;
@@ -246,16 +247,22 @@ fn animals(context: &mut JobContext<'_>, request: &Request, regions: &Regions, p
     rows
 }
 
+/// Warns of a species that lives more densely than ten times its living relative, or, where none
+/// is known, than ten times what its mass lets expect.
 fn warn_of_density(context: &mut JobContext<'_>, request: &Request, s: usize, density: f64) {
-    let Some(habits) = request.animals.habits[s] else { return };
-    let Some(relative) = habits.density_per_km2.filter(|d| density > library::DENSEST * d) else { return };
-    let message = format!(
-        "{} lives at {density:.2} per km2, more than ten times the {relative} of {} ({})",
-        request.animals.species[s].name,
-        habits.relative,
-        library::DENSITIES
-    );
-    context.warn(Warning::new(WarningCode::DensityOutOfRange, format!("/animals/{s}"), message));
+    let animal = &request.animals.species[s];
+    let known = request.animals.habits[s].and_then(|h| Some((h.density_per_km2?, h.relative, library::DENSITIES)));
+    let (usual, of, source) = known.unwrap_or_else(|| {
+        let eats_animals = animal.diet.iter().any(|item| matches!(item.food, Food::Animal(_)));
+        let estimate = allometry::density_per_km2(animal.mass_kg, eats_animals);
+        (estimate.value, "mammals of its mass", estimate.source)
+    });
+    if density > library::DENSEST * usual {
+        let name = &animal.name;
+        let message =
+            format!("{name} lives at {density:.2} per km2, more than ten times the {usual:.2} of {of} ({source})");
+        context.warn(Warning::new(WarningCode::DensityOutOfRange, format!("/animals/{s}"), message));
+    }
 }
 
 /// Carnivores weigh 0.3 to 3 % of their prey: bounds of the range found in large mammals by
