@@ -215,9 +215,9 @@ fn animals(context: &mut JobContext<'_>, request: &Request, regions: &Regions, p
     let mut rows = Vec::new();
     for (s, animal) in request.animals.species.iter().enumerate() {
         let individuals = population.total(s);
-        let area_km2 = 1e-6 * (0..regions.count(s)).map(|r| regions.area_m2(s, r)).sum::<f64>();
+        let area_km2 = (0..regions.count(s)).fold(0.0, |km2, r| km2 + 1e-6 * regions.area_m2(s, r));
         let territories = population.rag.territories.iter().filter(|t| t.species == s && t.individuals() > 0);
-        let inhabited_km2 = 1e-6 * territories.clone().map(|t| regions.area_m2(s, t.region)).sum::<f64>();
+        let inhabited_km2 = territories.clone().fold(0.0, |km2, t| km2 + 1e-6 * regions.area_m2(s, t.region));
         let density = if area_km2 > 0.0 { individuals as f64 / area_km2 } else { 0.0 };
         let why = population.absent[s].as_ref().map(nobody);
         if let Some(why) = &why {

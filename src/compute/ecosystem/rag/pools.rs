@@ -47,12 +47,19 @@ pub(super) fn groups_of(resource: usize, atoms: &Atoms, groups: usize) -> Vec<Gr
 }
 
 /// Decides the number of nodes of each group so that no territory (a list of indices of groups)
-/// has more than [`NodeOptions::max_nodes`]: the more area, the more nodes; at least one each.
-/// Where that is still too many, the groups that offer least are dropped (0 nodes).
+/// has more than [`NodeOptions::max_nodes`].
+///
+/// 1. Where the regions of other species cut a territory into more groups than half of that, the
+///    groups that hold least are left out (0 nodes), so that the rest can be split.
+/// 2. The others get the more nodes the larger they are, at least one each.
 pub(super) fn allot(groups: &mut [Group], kinds: &[Resource], territories: &[Vec<usize>], options: &NodeOptions) {
+    for territory in territories {
+        drop_excess(groups, kinds, territory, options.max_nodes.div_ceil(2));
+    }
     let cells: u64 = groups.iter().map(|g| g.cells).max().unwrap_or(0);
     let mut patch = cells as f64 / options.max_nodes.max(1) as f64;
     let splits = |group: &Group, patch: f64| match kinds[group.resource] {
+        _ if group.nodes == 0 => 0,
         Resource::Food(crate::compute::ecosystem::species::Food::Animal(_)) => 1,
         // A bank is a line: a patch of a side √patch holds about that many cells of it.
         Resource::Water => (group.cells as f64 / patch.sqrt().max(1.0)).round().max(1.0) as usize,
@@ -66,9 +73,6 @@ pub(super) fn allot(groups: &mut [Group], kinds: &[Resource], territories: &[Vec
         patch = 1.25 * patch.max(1.0);
     }
     groups.iter_mut().for_each(|group| group.nodes = splits(group, patch));
-    for territory in territories {
-        drop_excess(groups, kinds, territory, options.max_nodes);
-    }
 }
 
 /// Leaves out groups of a territory until it has few enough nodes: first those that hold the
