@@ -133,6 +133,25 @@ impl Job for EcosystemJob {
         serde_json::to_value(&self.request.inputs).unwrap_or_default()
     }
 
+    fn stages(&self) -> &'static [(&'static str, u32)] {
+        &[
+            ("terrain.slope", 2),
+            ("water.flood", 6),
+            ("climate.sunlight", 22),
+            ("plants.fitness", 12),
+            ("plants.competition", 14),
+            ("plants.left", 4),
+            ("animals.regions", 4),
+            ("animals.competition", 6),
+            ("animals.rooms", 4),
+            ("animals.travel", 10),
+            ("trails.bundle", 6),
+            ("plants.edit", 2),
+            ("planning.herds", 4),
+            ("planning.tracks", 4),
+        ]
+    }
+
     fn run(self: Box<Self>, context: &mut JobContext<'_>) -> Result<(), Failure> {
         let request = self.request;
         report::sources(context, &request)?;
