@@ -1,3 +1,5 @@
+//! The eight directions to the neighbours of a cell, and their opposites.
+
 use crate::compute::raster::Grid;
 
 /// The eight steps to the neighbours of a cell, as (columns east, rows south), in the order of

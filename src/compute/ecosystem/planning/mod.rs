@@ -196,7 +196,7 @@ type Planned = (usize, Planning, Vec<Reason>);
 /// [`Stopped`] when the run was asked to stop.
 pub fn plannings(habitat: &Habitat, options: &Options, run: &Run) -> Result<Plannings, Stopped> {
     let options = options.within_limits();
-    let herds = herds::herds(habitat.rag);
+    let herds = herds(habitat.rag);
     let rooms = Rooms::new(habitat.rag, options.m2_each);
     let mut days = vec![Planning { visits: Vec::new() }; herds.len()];
     let mut occupancy = Occupancy::default();
