@@ -41,7 +41,7 @@ pub(super) enum Way {
     Turned,
     /// Resampled from cells that lie so in the file's coordinates, through a projection if there
     /// is one.
-    Resampled(Affine, Option<Projection>),
+    Resampled(Affine, Option<Box<Projection>>),
 }
 
 impl Placing {
@@ -157,7 +157,7 @@ fn geographic(
     let message = format!("degrees were projected to EPSG:{zone} at square cells of {cell} m");
     Ok(Placing {
         grid,
-        way: Way::Resampled(affine, Some(projection)),
+        way: Way::Resampled(affine, Some(Box::new(projection))),
         georeference: Georeference::epsg(zone),
         latitude_deg: Some(middle.y),
         warnings: vec![Warning::new(warning::GEOGRAPHIC_CRS, message)],
