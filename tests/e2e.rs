@@ -1,5 +1,7 @@
 //! Black-box tests: they drive the program named by `BIOTOPE_BIN`, or the one just built.
 
+#![allow(clippy::unwrap_used, reason = "a test ends where something it needs is not there")]
+
 use std::io::BufRead as _;
 use std::io::BufReader;
 use std::io::Read as _;

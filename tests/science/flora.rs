@@ -122,7 +122,7 @@ fn agree(found: f32, expected: f64) {
 fn nothing_fits(species: &[PlantSpecies], resources: &Resources, flora: &Flora, fit: &Fitness) {
     let scale = Scales::default().illumination;
     for cell in 0..resources.soil.data.len() {
-        for (s, plant) in species.iter().enumerate().filter(|(s, _)| fit.value(*s, cell) > 0.0) {
+        for (_s, plant) in species.iter().enumerate().filter(|(s, _)| fit.value(*s, cell) > 0.0) {
             let sum = |t: Stratum| -> f64 {
                 (0..species.len()).filter(|o| species[*o].stratum == t).map(|o| f64::from(flora.cover(o, cell))).sum()
             };
@@ -158,7 +158,7 @@ fn random_plant(stream: &mut Stream, index: usize) -> PlantSpecies {
 fn random_world(seed: u64, cells: usize, kinds: usize) -> (Vec<PlantSpecies>, Resources) {
     let mut stream = Stream::new(seed, Purpose::new("science.flora.world"), 0);
     let grid = Grid::new(cells, 1, 10.0);
-    let mut map = |low: f64, high: f64, stream: &mut Stream| {
+    let map = |low: f64, high: f64, stream: &mut Stream| {
         let value = |_| if stream.below(40) == 0 { f32::NAN } else { stream.range(low, high) as f32 };
         Raster { grid, data: (0..cells).map(value).collect() }
     };

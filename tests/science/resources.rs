@@ -306,7 +306,7 @@ proptest! {
 
     #[test]
     fn water_is_where_its_map_says(height in worlds(), depth in 0.1f32..5.0) {
-        let wet = |cell: usize| cell % 5 == 0 && !height.data[cell].is_nan();
+        let wet = |cell: usize| cell.is_multiple_of(5) && !height.data[cell].is_nan();
         let map = Raster { grid: height.grid, data: (0..height.grid.len()).map(|c| if wet(c) { depth } else { -1.0 }).collect() };
         let water = Water::given(&height, &map, &Run::silent()).unwrap();
         for cell in 0..height.grid.len() {

@@ -204,7 +204,11 @@ mod tests {
         let grid = Grid { width, height, cell_m: 2.5, origin: Point::new(100.0, -50.0) };
         let height_at = |i: usize| {
             let p = grid.centre(i);
-            if i % 97 == 0 { f32::NAN } else { (200.0 + 30.0 * (p.x * 0.05).sin() * (p.y * 0.04).cos()) as f32 }
+            if i.is_multiple_of(97) {
+                f32::NAN
+            } else {
+                (200.0 + 30.0 * (p.x * 0.05).sin() * (p.y * 0.04).cos()) as f32
+            }
         };
         Map {
             data: MapData::F32(Raster { grid, data: (0..grid.len()).map(height_at).collect() }),

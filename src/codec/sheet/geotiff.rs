@@ -363,8 +363,8 @@ pub(crate) mod tests {
         of((2, 16), samples(values.map(|v| (v as i16).to_be_bytes())), true);
         of((2, 32), samples(values.map(|v| (v as i32).to_le_bytes())), false);
         of((2, 64), samples(values.map(|v| (v as i64).to_be_bytes())), true);
-        of((3, 32), samples(values.map(|v| (v as f32).to_le_bytes())), false);
-        of((3, 32), samples(values.map(|v| (v as f32).to_be_bytes())), true);
+        of((3, 32), samples(values.map(|v| v.to_le_bytes())), false);
+        of((3, 32), samples(values.map(|v| v.to_be_bytes())), true);
         of((3, 64), samples(values.map(|v| f64::from(v).to_le_bytes())), false);
     }
 

@@ -234,7 +234,7 @@ mod tests {
         let (w, h) = (60, 50);
         let degrees = |i: u32| (10.0 + (f64::from(i % w) + 0.5) * 0.001, -19.95 - (f64::from(i / w) + 0.5) * 0.001);
         let height = |lon: f64, lat: f64| 1000.0 * (lon - 10.0) - 700.0 * (lat + 20.0);
-        let heights: Vec<f32> = (0..w * h).map(|i| degrees(i)).map(|(lon, lat)| height(lon, lat) as f32).collect();
+        let heights: Vec<f32> = (0..w * h).map(degrees).map(|(lon, lat)| height(lon, lat) as f32).collect();
         let terrain = read(&floats((w, h), &heights, placed((0.001, 0.001), (10.0, -19.95), &LON_LAT))).unwrap();
         assert_eq!(terrain.georeference.code(), Some(32732));
         let zone = projection::Projection::between(None, 32732).unwrap();

@@ -133,7 +133,7 @@ pub fn plants(flora: &Flora, population: Option<&Population>) -> Vec<PlantSummar
             reached: share(total.cover_m2, covered),
         },
         balance: population.and_then(|p| p.stocks.of(Food::Plant(species))).map(Balance::of),
-        why_empty: total.why_empty.clone(),
+        why_empty: total.why_empty,
     };
     flora.totals.iter().enumerate().map(summary).collect()
 }

@@ -107,9 +107,11 @@ impl Region {
     /// The border around `centre` up to `radius`, for arcs of circles around it.
     pub fn surroundings(&self, centre: Point, radius: f64) -> Surroundings {
         let near = self.index.near(&Bounds::new(centre, centre).grown(radius));
-        let relative = near.iter().map(|i| self.segments[*i as usize]).filter_map(|s| {
-            (s.distance_sq(centre) < radius * radius).then(|| Segment { from: s.from - centre, to: s.to - centre })
-        });
+        let relative = near
+            .iter()
+            .map(|i| self.segments[*i as usize])
+            .filter(|&s| s.distance_sq(centre) < radius * radius)
+            .map(|s| Segment { from: s.from - centre, to: s.to - centre });
         Surroundings::new(relative.collect(), self.contains(centre))
     }
 

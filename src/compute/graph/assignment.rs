@@ -117,7 +117,7 @@ fn round(
     let mut bids = 0u32;
     while let Some(bidder) = bidders.pop() {
         bids = bids.wrapping_add(1);
-        if bids % 64 == 0 {
+        if bids.is_multiple_of(64) {
             run.check()?;
         }
         let (mut best, mut least, mut second) = (0, f64::INFINITY, f64::INFINITY);

@@ -50,7 +50,7 @@ impl Footprint {
         let distance_sq = offset.norm_sq();
         let reach = self.a + other.a;
         if distance_sq > reach * reach {
-            return distance_sq.sqrt() * -1.0 + reach;
+            return -distance_sq.sqrt() + reach;
         }
         let line = offset.normalised().unwrap_or(Point::new(1.0, 0.0));
         let along = |u: Point| self.support(u) + other.support(u) - offset.dot(u);
@@ -130,7 +130,7 @@ mod tests {
         let depth = |other: Ellipse| Footprint::new(&ellipse(0.0, 0.0, 0.0)).depth(&Footprint::new(&other));
         assert!((depth(ellipse(3.7, 0.0, 0.0)) - 0.3).abs() < 1e-9);
         assert!((depth(ellipse(0.0, 1.5, 0.0)) - 0.1).abs() < 1e-9);
-        assert!((depth(ellipse(0.0, 2.7, 1.570_796_326_794_896_6)) - 0.1).abs() < 1e-6);
+        assert!((depth(ellipse(0.0, 2.7, std::f64::consts::FRAC_PI_2)) - 0.1).abs() < 1e-6);
         assert!(depth(ellipse(4.2, 0.0, 0.0)) < 0.0);
         assert!(depth(ellipse(1.9, 1.5, 0.0)) < 0.0);
     }

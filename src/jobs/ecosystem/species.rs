@@ -92,7 +92,7 @@ impl<'a> Origins<'a> {
         self.origins.push(Origin { subject, value: value.to_string(), source: source.to_owned(), estimated });
     }
 
-    fn from_request(&mut self, field: &str, value: impl ToString) {
+    fn note_request(&mut self, field: &str, value: impl ToString) {
         let source = self.given.get(field).map_or(REQUEST, String::as_str).to_owned();
         self.note(field, value, &source, false);
     }
@@ -100,7 +100,7 @@ impl<'a> Origins<'a> {
     /// The number of the request, else the one of the library, else a fault.
     fn number(&mut self, field: &str, given: Option<f64>, known: Option<(f64, &str)>) -> f64 {
         match (given, known) {
-            (Some(value), _) => self.from_request(field, value),
+            (Some(value), _) => self.note_request(field, value),
             (None, Some((value, source))) => self.note(field, value, source, false),
             (None, None) => self.missing(field),
         }
@@ -111,7 +111,7 @@ impl<'a> Origins<'a> {
     fn estimate(&mut self, field: &str, given: Option<f64>, or: impl FnOnce() -> allometry::Estimate) -> f64 {
         match given {
             Some(value) => {
-                self.from_request(field, value);
+                self.note_request(field, value);
                 value
             }
             None => {
@@ -167,7 +167,7 @@ fn plant(input: &PlantInput, known: Option<&'static Row>, origins: &mut Origins)
     let growth = origins.estimate("growth_kg_per_m2", input.growth_kg_per_m2, || allometry::plant_growth(stratum));
     let offtake = origins.estimate("offtake", input.offtake, || allometry::plant_offtake(stratum));
     if let Some(celsius) = input.survival_min_c {
-        origins.from_request("survival_min_c", celsius);
+        origins.note_request("survival_min_c", celsius);
     }
     let species = PlantSpecies {
         name: input.species.clone(),
@@ -216,7 +216,7 @@ fn need(field: &str, given: Option<NeedInput>, known: Option<&'static Row>, orig
     let text = |n: &NeedInput| format!("{}-{}, use {}", n.min, n.max, n.consumption);
     let need = match (given, known) {
         (Some(need), _) => {
-            origins.from_request(field, text(&need));
+            origins.note_request(field, text(&need));
             need
         }
         (None, Some(row)) => {
@@ -256,7 +256,7 @@ fn viability(given: Option<ViabilityInput>, known: Option<&'static Row>, origins
     match (given, known) {
         (Some(v), _) => {
             let values = [v.limestone, v.water, v.marl, v.fallen_rocks, v.alluvium];
-            origins.from_request("viability", format!("{values:?}"));
+            origins.note_request("viability", format!("{values:?}"));
             values
         }
         (None, Some(row)) => {
@@ -347,7 +347,7 @@ fn max_density(input: &AnimalInput, origins: &mut Origins) -> f64 {
     let known = library::habits(&input.species).and_then(|h| Some((h.relative, h.density_per_km2?)));
     match (input.max_density_per_km2, known) {
         (Some(most), _) => {
-            origins.from_request("max_density_per_km2", most);
+            origins.note_request("max_density_per_km2", most);
             most
         }
         (None, Some((relative, density))) => {
@@ -393,7 +393,7 @@ fn diet(input: &AnimalInput, all: &[AnimalInput], plants: &Plants, origins: &mut
             }
             items.extend(found);
         }
-        origins.from_request("diet", shown(given));
+        origins.note_request("diet", shown(given));
     } else if let Some(habits) = library::habits(&input.species) {
         items.extend(habits.diet.iter().flat_map(|(food, liking)| foods(food, *liking, all, plants)));
         origins.note("diet", format!("{:?}", habits.diet), habits.diet_source, true);

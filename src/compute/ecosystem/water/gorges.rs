@@ -95,7 +95,7 @@ mod tests {
         let height = |i: usize| {
             let cell = grid.cell(i);
             let ridge = if (20..20 + thick).contains(&cell.column) { 20.0 } else { 0.0 };
-            let rim = if cell.row % 8 == 0 || cell.column == 59 { 100.0 } else { 0.0 };
+            let rim = if cell.row.is_multiple_of(8) || cell.column == 59 { 100.0 } else { 0.0 };
             0.2 * cell.column as f32 + 5.0 * cell.row.abs_diff(4) as f32 + ridge + rim
         };
         let height = Raster { grid, data: (0..grid.len()).map(height).collect() };
