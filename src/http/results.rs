@@ -37,6 +37,7 @@ use crate::jobs::context::Stored;
 use crate::jobs::queue::Outcome;
 use crate::jobs::queue::Row;
 use crate::jobs::selection::ALWAYS;
+use crate::jobs::selection::fits;
 use crate::jobs::selection::is_meant;
 
 /// Largest stored document or table that stands by value among the results when the request does
@@ -218,6 +219,7 @@ pub async fn page(app: &App, row: &Row, base: &Base) -> Answer {
         for (id, stored) in outputs {
             views.push(view(app, row, id, stored).await?);
         }
+        views.sort_by_key(|view| view.order);
         warnings.clone_from(told);
     }
     let answer: Response = document::page(pages::job(&pages::JobView {
@@ -231,11 +233,15 @@ pub async fn page(app: &App, row: &Row, base: &Base) -> Answer {
 
 /// An output as a page shows it.
 async fn view(app: &App, row: &Row, id: &str, stored: &Stored) -> Result<pages::OutputView, ApiError> {
-    let description = app.jobs.registry().find(&row.process).map(|entry| &entry.description);
-    let known = description.and_then(|d| d.outputs.iter().find(|o| crate::jobs::selection::fits(id, o.id)));
+    let entry = app.jobs.registry().find(&row.process);
+    let described = entry.map_or(&[][..], |entry| entry.description.outputs.as_slice());
+    let order = described.iter().position(|output| fits(id, output.id)).unwrap_or(usize::MAX);
+    let known = described.get(order);
     let shown = matches!(stored.kind, Kind::Json | Kind::Table | Kind::Tables) && stored.size <= pages::SHOWN_LIMIT;
     Ok(pages::OutputView {
         id: id.to_owned(),
+        order,
+        of_a_family: known.is_some_and(|output| output.id.contains('<')),
         title: known.map_or_else(|| id.to_owned(), |output| output.title.to_owned()),
         text: known.map_or_else(String::new, |output| output.text.to_owned()),
         href: format!("{}/results/{id}", path_of(row)),

@@ -119,8 +119,12 @@ impl<'a> JobContext<'a> {
         }
     }
 
-    /// Tells readers of the result something they should know.
-    pub fn warn(&mut self, warning: Warning) {
+    /// Tells readers of the result something they should know. Its pointer is relative to the
+    /// inputs, as that of a fault.
+    pub fn warn(&mut self, mut warning: Warning) {
+        if !warning.pointer.is_empty() {
+            warning.pointer.insert_str(0, "/inputs");
+        }
         self.kept.warnings.push(warning);
     }
 

@@ -126,7 +126,7 @@ impl Job for ZooJob {
         context.put("tracks.bin", file)?;
         context.put("extra", Artefact::Json(json!("asked for")))?;
         context.cite("bison.mass", "T table A.2");
-        context.warn(Warning::new(WarningCode::EightBit, "/inputs/terrain", "The ground shows steps.").with_count(3));
+        context.warn(Warning::new(WarningCode::EightBit, "/terrain", "The ground shows steps.").with_count(3));
         Ok(())
     }
 }

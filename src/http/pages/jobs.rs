@@ -14,6 +14,9 @@ use crate::jobs::artefact::Kind;
 /// Largest stored document or table that is drawn on a page, in bytes; larger ones are linked.
 pub const SHOWN_LIMIT: u64 = 1 << 20;
 
+/// Most warnings that are shown without being asked for.
+const WARNINGS_OPEN: usize = 4;
+
 /// A job as its page shows it.
 pub struct JobView {
     /// Its status.
@@ -30,7 +33,11 @@ pub struct JobView {
 pub struct OutputView {
     /// Its id.
     pub id: String,
-    /// Its name.
+    /// Its place among the outputs of the process.
+    pub order: usize,
+    /// Whether it is one of several alike, such as one a species.
+    pub of_a_family: bool,
+    /// Its name, or that of its family.
     pub title: String,
     /// What it holds.
     pub text: String,
@@ -80,9 +87,15 @@ pub fn job(view: &JobView) -> String {
     if let Some(problem) = &view.problem {
         body.push_str(&failure(problem));
     }
+    let (first, rest): (Vec<_>, Vec<_>) = view.outputs.iter().partition(|output| !output.of_a_family);
     body.push_str(&warnings(&view.warnings));
-    body.push_str(&documents(&view.outputs));
-    body.push_str(&maps(&view.outputs));
+    body.push_str(&figures("Maps and pictures", first.iter().filter(|output| is_picture(output))));
+    body.push_str(&documents("Summary", &view.outputs, |output| is_summary(output)));
+    for family in rest.chunk_by(|a, b| a.order == b.order) {
+        let title = family.first().map_or("", |output| output.title.as_str());
+        body.push_str(&figures(title, family.iter().filter(|output| is_picture(output))));
+    }
+    body.push_str(&documents("Tables and documents", &view.outputs, |output| !is_summary(output)));
     body.push_str(&files(&view.outputs));
     layout(&format!("{} job", status.process_id), &[("Jobs", "/jobs")], &body)
 }
@@ -105,7 +118,7 @@ fn head(status: &StatusInfo) -> String {
     };
     format!(
         r#"<p>{state} <span class="soft">{message}</span></p>
-<div class="scroll"><table><tbody><tr><th>Job</th><td><code>{id}</code></td></tr><tr><th>Process</th><td><a href="/processes/{process}">{process}</a></td></tr>{created}{started}{finished}</tbody></table></div>
+<div class="scroll fit"><table><tbody><tr><th>Job</th><td><code>{id}</code></td></tr><tr><th>Process</th><td><a href="/processes/{process}">{process}</a></td></tr>{created}{started}{finished}</tbody></table></div>
 <div class="forms"><a href="/jobs/{id}?f=json">status</a><a href="/jobs/{id}/results?f=json">results</a></div>
 "#,
         state = state(status),
@@ -167,32 +180,34 @@ fn warnings(warnings: &[Warning]) -> String {
         )
     };
     let notes: String = warnings.iter().map(note).collect();
-    format!(r#"<h2>Warnings</h2><ul class="notes">{notes}</ul>"#)
+    let open = if warnings.len() <= WARNINGS_OPEN { " open" } else { "" };
+    format!(
+        r#"<h2>Warnings</h2><details{open}><summary>{} warnings</summary><ul class="notes">{notes}</ul></details>"#,
+        warnings.len()
+    )
 }
 
-/// Maps and pictures, grouped by the first part of their id.
-fn maps(outputs: &[OutputView]) -> String {
-    let shown: Vec<_> = outputs.iter().filter(|view| matches!(view.kind, Kind::Map | Kind::Picture)).collect();
-    let mut page = String::new();
-    for group in shown.chunk_by(|a, b| group_of(a) == group_of(b)) {
-        let figures: String = group.iter().map(|view| figure(view, false)).collect();
-        let title = group.first().map(|view| group_of(view)).unwrap_or_default();
-        page.push_str(&format!(
-            r#"<h2 id="{0}">{1}</h2><div class="maps">{figures}</div>"#,
-            esc(title),
-            esc(&capital(title))
-        ));
+fn is_picture(view: &OutputView) -> bool {
+    matches!(view.kind, Kind::Map | Kind::Picture)
+}
+
+/// Whether a reader wants to see it at once.
+fn is_summary(view: &OutputView) -> bool {
+    ["summary", "report", "value"].contains(&view.id.as_str())
+}
+
+/// Maps and pictures under a heading.
+fn figures<'a>(title: &str, views: impl Iterator<Item = &'a &'a OutputView>) -> String {
+    let figures: String = views.map(|view| figure(view, false)).collect();
+    if figures.is_empty() {
+        return figures;
     }
-    page
-}
-
-fn group_of(view: &OutputView) -> &str {
-    view.id.split('.').next().unwrap_or_default()
+    format!(r#"<h2>{}</h2><div class="maps">{figures}</div>"#, esc(title))
 }
 
 fn figure(view: &OutputView, whole: bool) -> String {
     format!(
-        r#"<figure{}><a href="{href}?f=png"><img src="{href}?f=png" alt="{title}" loading="lazy"></a><figcaption><code>{id}</code>{forms}</figcaption></figure>"#,
+        r#"<figure{}><a href="{href}?f=png"><img src="{href}?f=png" alt="{title}" loading="lazy"></a><figcaption><b>{title}</b><br><code>{id}</code>{forms}</figcaption></figure>"#,
         if whole { r#" class="whole""# } else { "" },
         href = esc(&view.href),
         title = esc(&heading(view)),
@@ -201,26 +216,24 @@ fn figure(view: &OutputView, whole: bool) -> String {
     )
 }
 
-/// Documents and tables: the summary open, the others to be opened.
-fn documents(outputs: &[OutputView]) -> String {
-    let shown: Vec<_> = outputs.iter().filter(|v| matches!(v.kind, Kind::Json | Kind::Table | Kind::Tables)).collect();
-    let open = |view: &OutputView| ["summary", "report", "value"].contains(&view.id.as_str());
-    let section = |view: &&OutputView| {
+/// Documents and tables under a heading; summaries are open, the others to be opened.
+fn documents(title: &str, outputs: &[OutputView], wanted: impl Fn(&OutputView) -> bool) -> String {
+    let section = |view: &OutputView| {
         let inside = match &view.artefact {
             Some(artefact) => contents(artefact),
             None => format!(r#"<p class="soft">Too large for this page ({}).</p>"#, size(view.size)),
         };
         format!(
             r#"<details{}><summary>{} <code class="soft">{}</code></summary>{}{inside}</details>"#,
-            if open(view) { " open" } else { "" },
+            if is_summary(view) { " open" } else { "" },
             esc(&heading(view)),
             esc(&view.id),
             forms(view)
         )
     };
-    let (first, rest): (Vec<_>, Vec<_>) = shown.into_iter().partition(|view| open(view));
-    let sections: String = first.iter().chain(&rest).map(section).collect();
-    if sections.is_empty() { sections } else { format!("<h2>Tables and documents</h2>{sections}") }
+    let structured = |view: &&OutputView| matches!(view.kind, Kind::Json | Kind::Table | Kind::Tables);
+    let sections: String = outputs.iter().filter(structured).filter(|view| wanted(view)).map(section).collect();
+    if sections.is_empty() { sections } else { format!("<h2>{}</h2>{sections}", esc(title)) }
 }
 
 fn files(outputs: &[OutputView]) -> String {
@@ -265,11 +278,6 @@ fn heading(view: &OutputView) -> String {
         Some((_, own)) if view.kind == Kind::Map => format!("{}: {}", view.title, own.replace('-', " ")),
         _ => view.title.clone(),
     }
-}
-
-fn capital(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map(|first| first.to_uppercase().chain(chars).collect()).unwrap_or_default()
 }
 
 fn state(status: &StatusInfo) -> String {
