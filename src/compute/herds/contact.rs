@@ -36,6 +36,11 @@ impl Footprint {
         self.centre
     }
 
+    /// The unit vector along the heading.
+    pub fn heading(&self) -> Point {
+        self.heading
+    }
+
     /// How far the ellipse reaches from its centre along the unit vector `u`.
     pub fn support(&self, u: Point) -> f64 {
         let (along, across) = (self.heading.dot(u), self.heading.cross(u));

@@ -2,6 +2,7 @@
 //! key-frames, animals paired by optimal transport, guides that move straight in the herd frame,
 //! and a steering simulation that follows them.
 
+mod choice;
 mod error;
 mod frames;
 mod guides;

@@ -3,23 +3,22 @@
 use super::AnimationError;
 use super::AnimationOptions;
 use super::Trajectory;
+use super::choice::Chooser;
+use super::choice::Move;
 use super::guides::Guides;
 use super::guides::HerdFrame;
 use super::guides::Progress;
 use super::motion::Gait;
 use super::motion::Mover;
-use super::motion::Wish;
 use super::report;
 use super::report::Arrival;
 use super::report::Hindrance;
 use super::report::Report;
-use super::steering::Company;
 use super::terrain::Ground;
 use super::tracks::Plan;
 use super::tracks::Pose;
 use super::tracks::Tracks;
 use super::traffic;
-use crate::compute::geometry::CellGrid;
 use crate::compute::geometry::Point;
 use crate::compute::herds::contact::Footprint;
 use crate::compute::run::Run;
@@ -34,7 +33,7 @@ const CRUISE: f64 = 0.9;
 const STRAGGLER_BODY_LENGTHS: f64 = 2.0;
 
 /// Seconds for which the herd waits for the same straggler before it goes on without it (ours).
-const PATIENCE_S: f64 = 20.0;
+const PATIENCE_S: f64 = 8.0;
 
 /// Overlap allowed everywhere, as a share of a body's width.
 const OVERLAP: f64 = 0.1;
@@ -44,6 +43,7 @@ const CHUNK: usize = 64;
 
 /// A herd on the move.
 pub struct Simulation<'a> {
+    chooser: Chooser<'a>,
     ground: &'a Ground<'a>,
     trajectory: &'a Trajectory,
     guides: &'a Guides<'a>,
@@ -59,29 +59,6 @@ pub struct Simulation<'a> {
     longest: f64,
 }
 
-/// All that animals look at in a step; the same for all.
-struct Scene {
-    interval: usize,
-    places: Vec<Point>,
-    velocities: Vec<Point>,
-    guides: Vec<Point>,
-    guide_velocities: Vec<Point>,
-    prints: Vec<Footprint>,
-    grid: CellGrid,
-    frame: HerdFrame,
-    /// Whether the formation ahead is nearer than the one behind, and how much it counts.
-    key: (bool, f64),
-    step_s: f64,
-}
-
-/// What an animal makes of a step before it looks at the others' steps.
-struct Move {
-    to: Mover,
-    limited: bool,
-    slowed: bool,
-    blocked: bool,
-}
-
 impl<'a> Simulation<'a> {
     /// A herd standing at its first key-frame.
     pub(super) fn new(
@@ -95,7 +72,9 @@ impl<'a> Simulation<'a> {
         let movers = (0..guides.len()).map(|i| {
             Mover::standing(guides.place(frame, progress, i), guides.key_heading(frame, 0, (i, false)).angle())
         });
+        let longest = guides.bodies.iter().map(|b| b.0).fold(0.0, f64::max);
         Self {
+            chooser: Chooser { ground, guides, options, longest },
             ground,
             trajectory,
             guides,
@@ -106,7 +85,7 @@ impl<'a> Simulation<'a> {
             progress,
             pace: 0.0,
             waited_s: 0.0,
-            longest: guides.bodies.iter().map(|b| b.0).fold(0.0, f64::max),
+            longest,
         }
     }
 
@@ -153,14 +132,17 @@ impl<'a> Simulation<'a> {
         let before = self.progress;
         self.advance_frame(interval, left_s, step_s);
         // 2. Everybody chooses a step from what all were doing a moment ago.
-        let scene = self.scene(before, step_s);
-        let moves: Vec<Move> =
-            (0..self.movers.len()).into_par_iter().with_min_len(CHUNK).map(|i| self.choose(i, &scene)).collect();
+        let scene = self.chooser.scene(&self.movers, (before, self.progress), step_s);
+        let moves: Vec<Move> = (0..self.movers.len())
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|i| self.chooser.choose(i, &scene))
+            .collect();
         // 3. Where two would collide, one stays.
         let new: Vec<Footprint> =
             moves.iter().zip(&self.guides.bodies).map(|(m, body)| traffic::footprint(&m.to, *body)).collect();
         let widest = self.guides.bodies.iter().map(|b| b.1).fold(f64::INFINITY, f64::min);
-        let allowed = (2.0 * OVERLAP * widest).max(self.guides.depth_held(scene.interval));
+        let allowed = (2.0 * OVERLAP * widest).max(self.guides.depth_held(self.progress.interval));
         let reach = 2.0 * (self.longest + self.options.gait.max_speed_m_per_s * step_s);
         let goes = traffic::settle(&scene.prints, &new, (&scene.grid, reach), allowed);
         // 4. The rest moves.
@@ -240,109 +222,6 @@ impl<'a> Simulation<'a> {
         p.distance(q) / (factor * self.options.gait.max_speed_m_per_s)
     }
 
-    fn scene(&self, before: Progress, step_s: f64) -> Scene {
-        let now = self.progress;
-        let (old, frame) = (self.guides.frame_at(before), self.guides.frame_at(now));
-        let guides: Vec<Point> = (0..self.guides.len()).map(|i| self.guides.place(frame, now, i)).collect();
-        let velocity = |(i, g): (usize, &Point)| (*g - self.guides.place(old, before, i)) * (1.0 / step_s);
-        let places: Vec<Point> = self.movers.iter().map(|m| m.place).collect();
-        Scene {
-            interval: now.interval,
-            guide_velocities: guides.iter().enumerate().map(velocity).collect(),
-            guides,
-            velocities: self.movers.iter().map(Mover::velocity).collect(),
-            prints: self.movers.iter().zip(&self.guides.bodies).map(|(m, b)| traffic::footprint(m, *b)).collect(),
-            grid: CellGrid::new(&places, self.neighbourhood() / 2.0),
-            places,
-            frame,
-            key: self.guides.key_weight(now, self.options.gait.blend_body_lengths * 2.0 * self.longest),
-            step_s,
-        }
-    }
-
-    fn neighbourhood(&self) -> f64 {
-        self.options.steering.neighbourhood_body_lengths * 2.0 * self.longest
-    }
-
-    /// The step that animal `i` would make if it were alone on the road.
-    fn choose(&self, i: usize, scene: &Scene) -> Move {
-        let (mover, body, gait) = (&self.movers[i], self.guides.bodies[i], &self.options.gait);
-        let (target, in_view) = self.target(i, scene);
-        let off = target - mover.place;
-        let course = off.normalised().unwrap_or_else(|| Point::from_angle(mover.course));
-        let factor = Gait::slope_factor(self.ground.slope(mover.place, course));
-        let limit = factor * gait.max_speed_m_per_s;
-        // Guide, then neighbours, then obstacles.
-        let steering = &self.options.steering;
-        let wanted =
-            if in_view { steering.follow(mover.place, target, scene.guide_velocities[i]) } else { course * limit };
-        let lost = (scene.guides[i].distance(mover.place) / (4.0 * body.0)).min(1.0);
-        let social = self.company(i, scene).forces(steering, mover, (limit, lost));
-        let avoidance = steering.avoid(mover, self.ground, (body.1, limit));
-        let sum = wanted + social + avoidance;
-        let at_rest = is_at_rest(mover, off, scene.guide_velocities[i].norm(), (body.0, gait.max_speed_m_per_s));
-        let velocity = if at_rest { Point::default() } else { sum * (limit / sum.norm().max(limit)) };
-        let (ahead, key_weight) = scene.key;
-        let key_heading = self.guides.key_heading(scene.frame, scene.interval, (i, ahead)).angle();
-        let wish = Wish { velocity, key_heading, key_weight, limit };
-        let (to, free) = self.admitted(mover, mover.stepped(wish, gait, scene.step_s), (body.1, scene.step_s));
-        Move {
-            to,
-            limited: wanted.norm() > limit && factor > 0.9,
-            slowed: wanted.norm() > limit && factor <= 0.9,
-            blocked: !free || !in_view,
-        }
-    }
-
-    /// Where animal `i` heads for: its guide, or, when an obstacle hides that, the farthest place
-    /// on the herd's path that it can see; and whether it is the guide.
-    fn target(&self, i: usize, scene: &Scene) -> (Point, bool) {
-        let (place, clearance, half) = (self.movers[i].place, self.ground.clearance(), self.guides.bodies[i].1);
-        if clearance.is_open() {
-            return (scene.guides[i], true);
-        }
-        // A guide inside an obstacle stands beside it.
-        let mut guide = scene.guides[i];
-        for _ in 0..8 {
-            let lack = 1.1 * half - clearance.at(guide);
-            match clearance.away(guide) {
-                Some(away) if lack > 0.0 => guide = guide + away * (lack + 0.1 * half),
-                _ => break,
-            }
-        }
-        let room = 0.9 * clearance.at(place).min(half);
-        let sees = |q: Point| clearance.sees(place, q, room.min(0.9 * clearance.at(q)).max(0.0));
-        if place.distance(guide) < 2.0 * half || sees(guide) {
-            return (guide, true);
-        }
-        (self.guides.rejoin(place, self.progress, sees).unwrap_or(guide), false)
-    }
-
-    fn company(&self, i: usize, scene: &Scene) -> Company {
-        let (own, reach) = (scene.places[i], self.neighbourhood());
-        let mut company = Company::default();
-        scene.grid.for_each_near(own, reach, |j| {
-            if j != i && scene.places[j].distance_sq(own) <= reach * reach {
-                let apart = scene.guides[i].distance(scene.guides[j]);
-                company.meet(&scene.prints[i], (&scene.prints[j], scene.velocities[j]), apart);
-            }
-        });
-        company
-    }
-
-    /// The step as far as the ground admits it: whole, half, a quarter, or only the turn; and
-    /// whether it was whole.
-    fn admitted(&self, from: &Mover, to: Mover, (half_width, step_s): (f64, f64)) -> (Mover, bool) {
-        for share in [1.0, 0.5, 0.25] {
-            let speed = to.speed * share;
-            let place = from.place + Point::from_angle(to.course) * (speed * step_s);
-            if speed == 0.0 || self.ground.admits(place, from.place, half_width) {
-                return (Mover { place, speed, ..to }, share == 1.0);
-            }
-        }
-        (Mover { place: from.place, speed: 0.0, course: to.heading, ..to }, false)
-    }
-
     /// How the key-frame at the end of `interval` was met.
     fn arrival(&self, interval: usize, time_s: f64, given_s: f64) -> Arrival {
         let end = Progress { interval, share: 1.0 };
@@ -376,13 +255,3 @@ impl<'a> Simulation<'a> {
 
 /// Seconds in which the herd frame reaches or leaves its full pace (ours).
 const BRAKE_S: f64 = 1.0;
-
-/// A guide slower than this share of V_max stands still (ours).
-const STILL: f64 = 0.05;
-
-/// Whether an animal stays where it is: its guide (at `off`) stands still, near by, and not in
-/// front, so that to get nearer it would have to turn round or go sideways.
-fn is_at_rest(mover: &Mover, off: Point, guide_speed: f64, (half_length, max_speed): (f64, f64)) -> bool {
-    let ahead = off.dot(Point::from_angle(mover.heading));
-    guide_speed < STILL * max_speed && off.norm() < 0.4 * half_length && ahead < 0.05 * half_length
-}

@@ -64,55 +64,95 @@ impl Steering {
         guide_velocity + (guide - place) * (1.0 / self.following_s)
     }
 
-    /// The force away from an obstacle that the animal would come near: judged where it will be
-    /// in `foresight_s` and half-way there. Along the obstacle's rim towards where it goes, and
-    /// off it, the stronger the nearer.
-    pub(super) fn avoid(&self, mover: &Mover, ground: &Ground<'_>, (half_width, speed): (f64, f64)) -> Point {
-        let velocity = mover.velocity();
-        let comfort = 3.0 * half_width;
+    /// The force away from an obstacle that the animal would come near: judged where it is, where
+    /// it will be in `foresight_s`, and half-way there. It pushes off the obstacle, the stronger
+    /// the nearer, but not back along `course`: the way past is found by looking, not by pushing.
+    pub(super) fn avoid(
+        &self,
+        mover: &Mover,
+        ground: &Ground<'_>,
+        (course, half_width, speed): (Point, f64, f64),
+    ) -> Point {
+        let comfort = 2.0 * half_width;
         let clearance = ground.clearance();
         if clearance.at(mover.place) > comfort + speed * self.foresight_s {
             return Point::default();
         }
-        let ahead = |share: f64| mover.place + velocity * (self.foresight_s * share);
-        [0.0, 0.5, 1.0].into_iter().map(ahead).fold(Point::default(), |force, p| {
+        let ahead = |share: f64| mover.place + mover.velocity() * (self.foresight_s * share);
+        let force = [0.0, 0.5, 1.0].into_iter().map(ahead).fold(Point::default(), |force, p| {
             let lack = 1.0 - clearance.at(p) / comfort;
             match clearance.away(p).or_else(|| clearance.away(mover.place)) {
                 Some(away) if lack > 0.0 => force + away * (lack.min(1.5) * self.avoidance * speed / 3.0),
                 _ => force,
             }
-        })
+        });
+        force + course * (-force.dot(course)).max(0.0)
     }
 }
 
 /// What an animal sees of its neighbours, summed in the order they are met.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Company {
     apart: Point,
     velocity: Point,
     centre: Point,
     count: f64,
+    room_ahead: f64,
+}
+
+/// One neighbour.
+pub(super) struct Neighbour<'a> {
+    pub print: &'a Footprint,
+    /// Metres a second.
+    pub velocity: Point,
+    /// How far apart the two guides are, in metres.
+    pub guides_apart: f64,
+    /// Whether it gives way rather than the animal that looks at it.
+    pub yields: bool,
 }
 
 /// Neighbours keep at most this many times the distance at which they touch (ours).
 const COMFORT: f64 = 1.4;
 
+/// How much less a neighbour that yields pushes, and how much more the other does (ours):
+/// without a difference two that meet head on would wait for each other.
+const YIELDING: (f64, f64) = (0.6, 1.4);
+
+/// A gap to an animal in front is used up within this many seconds (ours).
+const FOLLOWING_S: f64 = 0.7;
+
 impl Company {
-    /// Takes in a neighbour: its footprint and velocity, seen from `own`, and how far apart the
-    /// two guides are.
-    pub(super) fn meet(&mut self, own: &Footprint, (other, velocity): (&Footprint, Point), guides_apart: f64) {
-        let offset = own.centre() - other.centre();
+    pub(super) fn new() -> Self {
+        let none = Point::default();
+        Self { apart: none, velocity: none, centre: none, count: 0.0, room_ahead: f64::INFINITY }
+    }
+
+    /// Takes in a neighbour, seen from `own`.
+    pub(super) fn meet(&mut self, own: &Footprint, neighbour: &Neighbour<'_>) {
+        let offset = own.centre() - neighbour.print.centre();
         let distance = offset.norm();
-        self.velocity = self.velocity + velocity;
-        self.centre = self.centre + other.centre();
+        self.velocity = self.velocity + neighbour.velocity;
+        self.centre = self.centre + neighbour.print.centre();
         self.count += 1.0;
         let Some(away) = offset.normalised() else { return };
-        let touch = own.support(away) + other.support(away);
-        let comfort = (guides_apart / touch).clamp(1.0, COMFORT);
+        let touch = own.support(away) + neighbour.print.support(away);
+        let comfort = (neighbour.guides_apart / touch).clamp(1.0, COMFORT);
         let lack = comfort - distance / touch;
         if lack > 0.0 {
-            self.apart = self.apart + away * (lack / 0.4).min(2.0);
+            let weight = if neighbour.yields { YIELDING.0 } else { YIELDING.1 };
+            self.apart = self.apart + away * ((lack / 0.3).min(2.0) * weight);
         }
+        // Who walks in front is not run into.
+        let heading = own.heading();
+        if -away.dot(heading) > 0.7 {
+            let leaves = neighbour.velocity.dot(heading).max(0.0);
+            self.room_ahead = self.room_ahead.min(leaves + (distance - touch).max(0.0) / FOLLOWING_S);
+        }
+    }
+
+    /// The fastest that does not run into who walks in front, in metres a second.
+    pub(super) fn room_ahead(&self) -> f64 {
+        self.room_ahead
     }
 
     /// Separation, alignment and cohesion as one velocity. `lost` from 0 (at the guide) to 1

@@ -1,0 +1,232 @@
+//! What each animal makes of a step, from what all were doing a moment ago.
+
+use super::AnimationOptions;
+use super::guides::Guides;
+use super::guides::HerdFrame;
+use super::guides::Progress;
+use super::motion::Gait;
+use super::motion::Mover;
+use super::motion::Wish;
+use super::steering::Company;
+use super::steering::Neighbour;
+use super::terrain::Ground;
+use super::traffic;
+use crate::compute::geometry::CellGrid;
+use crate::compute::geometry::Point;
+use crate::compute::herds::contact::Footprint;
+
+/// How far an animal looks past an obstacle, in which steps it turns to look, and how many of
+/// them (ours).
+const VIEW_BODY_LENGTHS: f64 = 5.0;
+const VIEW_STEP_RAD: f64 = 0.26;
+const VIEW_STEPS: i32 = 6;
+
+/// An animal on its way round goes at least at this share of what it can (ours).
+const DETOUR_PACE: f64 = 0.6;
+
+/// A guide slower than this share of V_max stands still (ours).
+const STILL: f64 = 0.05;
+
+/// All that animals look at in a step; the same for all.
+pub(super) struct Scene<'a> {
+    progress: Progress,
+    movers: &'a [Mover],
+    velocities: Vec<Point>,
+    guides: Vec<Point>,
+    guide_velocities: Vec<Point>,
+    /// The bodies as they are.
+    pub prints: Vec<Footprint>,
+    /// The animals by place.
+    pub grid: CellGrid,
+    frame: HerdFrame,
+    /// Whether the formation ahead is nearer than the one behind, and how much it counts.
+    key: (bool, f64),
+    step_s: f64,
+}
+
+/// A step as an animal would make it if it were alone on the road, and what kept it from more.
+pub(super) struct Move {
+    pub to: Mover,
+    /// It wished to go faster than V_max.
+    pub limited: bool,
+    /// It wished to go faster than the slope allows.
+    pub slowed: bool,
+    /// An obstacle stood in its way.
+    pub blocked: bool,
+}
+
+/// What an animal heads for.
+#[derive(Clone, Copy)]
+enum Aim {
+    /// Its guide, at this place.
+    Guide(Point),
+    /// A place beside what hides the guide or where that goes.
+    Detour(Point),
+}
+
+/// Chooses the animals' steps.
+pub(super) struct Chooser<'a> {
+    pub ground: &'a Ground<'a>,
+    pub guides: &'a Guides<'a>,
+    pub options: &'a AnimationOptions,
+    /// The longest semi-major axis, in metres.
+    pub longest: f64,
+}
+
+impl Chooser<'_> {
+    /// The scene while the herd frame goes from one place on its way to the next.
+    pub(super) fn scene<'m>(&self, movers: &'m [Mover], (before, now): (Progress, Progress), step_s: f64) -> Scene<'m> {
+        let (old, frame) = (self.guides.frame_at(before), self.guides.frame_at(now));
+        let guides: Vec<Point> = (0..self.guides.len()).map(|i| self.guides.place(frame, now, i)).collect();
+        let velocity = |(i, g): (usize, &Point)| (*g - self.guides.place(old, before, i)) * (1.0 / step_s);
+        let places: Vec<Point> = movers.iter().map(|m| m.place).collect();
+        Scene {
+            progress: now,
+            movers,
+            guide_velocities: guides.iter().enumerate().map(velocity).collect(),
+            guides,
+            velocities: movers.iter().map(Mover::velocity).collect(),
+            prints: movers.iter().zip(&self.guides.bodies).map(|(m, b)| traffic::footprint(m, *b)).collect(),
+            grid: CellGrid::new(&places, self.neighbourhood() / 2.0),
+            frame,
+            key: self.guides.key_weight(now, self.options.gait.blend_body_lengths * 2.0 * self.longest),
+            step_s,
+        }
+    }
+
+    fn neighbourhood(&self) -> f64 {
+        self.options.steering.neighbourhood_body_lengths * 2.0 * self.longest
+    }
+
+    /// The step that animal `i` would make if it were alone on the road.
+    pub(super) fn choose(&self, i: usize, scene: &Scene<'_>) -> Move {
+        let (mover, body, gait) = (&scene.movers[i], self.guides.bodies[i], &self.options.gait);
+        // 1. Where to, and how fast the slope in that direction lets it go.
+        let aim = self.aim(i, scene);
+        let (Aim::Guide(target) | Aim::Detour(target)) = aim;
+        let off = target - mover.place;
+        let course = off.normalised().unwrap_or_else(|| Point::from_angle(mover.course));
+        let factor = Gait::slope_factor(self.ground.slope(mover.place, course));
+        let limit = factor * gait.max_speed_m_per_s;
+        // 2. The five forces: guide, neighbours (three), obstacles.
+        let steering = &self.options.steering;
+        let follow = steering.follow(mover.place, scene.guides[i], scene.guide_velocities[i]);
+        let wanted = match aim {
+            Aim::Guide(place) => steering.follow(mover.place, place, scene.guide_velocities[i]),
+            Aim::Detour(_) => course * follow.norm().clamp(DETOUR_PACE * limit, limit),
+        };
+        let lost = (scene.guides[i].distance(mover.place) / (4.0 * body.0)).min(1.0);
+        let company = self.company(i, scene);
+        let social = company.forces(steering, mover, (limit, lost));
+        let avoidance = steering.avoid(mover, self.ground, (course, body.1, limit));
+        let sum = wanted + social + avoidance;
+        // 3. What the body can make of it.
+        let guide_speed = scene.guide_velocities[i].norm();
+        let rests = is_at_rest(mover, off, guide_speed, (body.0, gait.max_speed_m_per_s));
+        let velocity = if rests { Point::default() } else { sum * (limit / sum.norm().max(limit)) };
+        let (ahead, key_weight) = scene.key;
+        let key_heading = self.guides.key_heading(scene.frame, scene.progress.interval, (i, ahead)).angle();
+        // Without room in front it can still turn.
+        let wish = Wish { velocity, key_heading, key_weight, limit: limit.min(company.room_ahead()) };
+        let step = |wish| self.admitted(mover, mover.stepped(wish, gait, scene.step_s), (body.1, scene.step_s));
+        let (mut to, free) = step(wish);
+        if !free && let Some(away) = self.ground.clearance().away(mover.place) {
+            (to, _) = step(Wish { velocity: along_rim(velocity, away), ..wish });
+        }
+        Move {
+            to,
+            limited: wanted.norm() > limit && factor > 0.9,
+            slowed: wanted.norm() > limit && factor <= 0.9,
+            blocked: !free || matches!(aim, Aim::Detour(_)),
+        }
+    }
+
+    /// What animal `i` heads for: its guide, while it sees it and where that will be; else the
+    /// nearest free direction past what is between, or the farthest place on the herd's path that
+    /// it can see.
+    fn aim(&self, i: usize, scene: &Scene<'_>) -> Aim {
+        let (place, clearance, half) = (scene.movers[i].place, self.ground.clearance(), self.guides.bodies[i].1);
+        if clearance.is_open() {
+            return Aim::Guide(scene.guides[i]);
+        }
+        let guide = self.beside(scene.guides[i], half);
+        let soon = self.beside(scene.guides[i] + scene.guide_velocities[i] * self.options.steering.foresight_s, half);
+        let room = clearance.at(place).min(half);
+        let sees = |q: Point| clearance.sees(place, q, room.min(clearance.at(q)).max(0.0));
+        if sees(soon) && sees(guide) {
+            return Aim::Guide(guide);
+        }
+        let detour = self.detour(&scene.movers[i], soon, &sees);
+        let way = detour.or_else(|| self.guides.rejoin(place, scene.progress, sees));
+        way.map_or(Aim::Guide(guide), Aim::Detour)
+    }
+
+    /// A guide inside an obstacle stands beside it.
+    fn beside(&self, mut guide: Point, half: f64) -> Point {
+        let clearance = self.ground.clearance();
+        for _ in 0..8 {
+            let lack = 1.1 * half - clearance.at(guide);
+            match clearance.away(guide) {
+                Some(away) if lack > 0.0 => guide = guide + away * (lack + 0.1 * half),
+                _ => break,
+            }
+        }
+        guide
+    }
+
+    /// A place beside what stands between an animal and its guide: the free direction that turns
+    /// least from the guide, the side it already looks to first.
+    fn detour(&self, mover: &Mover, guide: Point, sees: impl Fn(Point) -> bool) -> Option<Point> {
+        let to_guide = guide - mover.place;
+        let ray = to_guide.normalised()? * to_guide.norm().min(VIEW_BODY_LENGTHS * 2.0 * self.longest);
+        let side = if ray.cross(Point::from_angle(mover.heading)) >= 0.0 { 1.0 } else { -1.0 };
+        let turns = (1..=VIEW_STEPS).flat_map(|k| [side, -side].map(|s| s * f64::from(k) * VIEW_STEP_RAD));
+        turns.map(|turn| mover.place + ray.rotated(turn)).find(|q| sees(*q))
+    }
+
+    fn company(&self, i: usize, scene: &Scene<'_>) -> Company {
+        let (own, reach) = (scene.movers[i].place, self.neighbourhood());
+        let mut company = Company::new();
+        scene.grid.for_each_near(own, reach, |j| {
+            if j != i && scene.movers[j].place.distance_sq(own) <= reach * reach {
+                let neighbour = Neighbour {
+                    print: &scene.prints[j],
+                    velocity: scene.velocities[j],
+                    guides_apart: scene.guides[i].distance(scene.guides[j]),
+                    // Who was there first in the list goes first: somebody has to.
+                    yields: j > i,
+                };
+                company.meet(&scene.prints[i], &neighbour);
+            }
+        });
+        company
+    }
+
+    /// The step as far as the ground admits it: whole, half, a quarter, or only the turn; and
+    /// whether it was whole.
+    fn admitted(&self, from: &Mover, to: Mover, (half_width, step_s): (f64, f64)) -> (Mover, bool) {
+        for share in [1.0, 0.5, 0.25] {
+            let speed = to.speed * share;
+            let place = from.place + Point::from_angle(to.course) * (speed * step_s);
+            if speed == 0.0 || self.ground.admits(place, from.place, half_width) {
+                return (Mover { place, speed, ..to }, share == 1.0);
+            }
+        }
+        (Mover { place: from.place, speed: 0.0, course: to.heading, ..to }, false)
+    }
+}
+
+/// What is left of a wish where an obstacle does not admit it: half of it, along the rim and a
+/// little off it.
+fn along_rim(wished: Point, away: Point) -> Point {
+    let along = wished + away * -wished.dot(away);
+    let side = along.normalised().unwrap_or(Point::new(-away.y, away.x));
+    (side + away * 0.5) * (0.5 * wished.norm())
+}
+
+/// Whether an animal stays where it is: its guide (at `off`) stands still, near by, and not in
+/// front, so that to get nearer it would have to turn round or go sideways.
+fn is_at_rest(mover: &Mover, off: Point, guide_speed: f64, (half_length, max_speed): (f64, f64)) -> bool {
+    let ahead = off.dot(Point::from_angle(mover.heading));
+    guide_speed < STILL * max_speed && off.norm() < 0.4 * half_length && ahead < 0.05 * half_length
+}
