@@ -43,8 +43,10 @@ fn digests(process: &str, file: &Path, threads: usize) -> BTreeMap<String, Strin
 }
 
 #[test]
-fn every_example_gives_the_same_bytes_on_one_and_on_two_threads() {
-    for (process, file) in examples() {
+fn every_process_gives_the_same_bytes_on_one_and_on_two_threads() {
+    let mut one_each = examples();
+    one_each.dedup_by(|(process, _), (before, _)| process == before);
+    for (process, file) in one_each {
         let (one, two) = (digests(&process, &file, 1), digests(&process, &file, 2));
         assert!(one.contains_key("manifest"), "{}", file.display());
         for (id, digest) in &one {
