@@ -69,12 +69,13 @@ impl Values {
         }
     }
 
-    /// The value in `row` as a text, empty for no value.
+    /// The value in `row` as a text, empty for no value. A number always has its decimal point
+    /// or exponent, so that tools which type a column by its first row read it as one.
     pub fn text(&self, row: usize) -> String {
         match self {
             Self::Text(v) => v[row].clone(),
             Self::Integer(v) => v[row].to_string(),
-            Self::Number(v) if v[row].is_finite() => v[row].to_string(),
+            Self::Number(v) if v[row].is_finite() => format!("{:?}", v[row]),
             Self::Number(_) => String::new(),
             Self::Flag(v) => v[row].to_string(),
         }

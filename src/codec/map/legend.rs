@@ -1,3 +1,4 @@
+use super::spread::Spread;
 use crate::codec::binary;
 use crate::codec::binary::Reader;
 use crate::codec::binary::Writer;
@@ -32,18 +33,6 @@ pub enum Scale {
     /// Numbered parts without names, such as regions: 0 is none, others take the colours of
     /// [`crate::codec::colours::category`] in turn.
     Labels,
-}
-
-/// How colours are spread between the ends of a range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Spread {
-    /// Evenly.
-    Linear,
-    /// By the square root: for counts with many small and few large values, zero included.
-    SquareRoot,
-    /// By the logarithm over at most four decades below the upper end; what is below, zero
-    /// included, takes the lower end's colour.
-    Logarithmic,
 }
 
 /// One class of a categorical map.
@@ -117,7 +106,7 @@ impl Legend {
                     colours: *ColourMap::ALL
                         .get(usize::from(r.u8()?))
                         .ok_or(binary::Error::Corrupt("an unknown colour map"))?,
-                    spread: read_spread(r)?,
+                    spread: Spread::read(r)?,
                     range: r.option(|r| Ok((r.f64()?, r.f64()?)))?,
                 },
                 1 => Scale::Categories(r.list(|r| {
@@ -128,9 +117,4 @@ impl Legend {
             };
         Ok(Self { title, unit, scale })
     }
-}
-
-fn read_spread(r: &mut Reader) -> Result<Spread, binary::Error> {
-    const ALL: [Spread; 3] = [Spread::Linear, Spread::SquareRoot, Spread::Logarithmic];
-    ALL.get(usize::from(r.u8()?)).copied().ok_or(binary::Error::Corrupt("an unknown spread of colours"))
 }

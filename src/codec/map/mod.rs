@@ -8,10 +8,12 @@ mod geotiff;
 mod legend;
 mod picture;
 mod shade;
+mod spread;
 
 pub use georeference::Georeference;
-pub use legend::{Category, Legend, Scale, Spread};
+pub use legend::{Category, Legend, Scale};
 pub use picture::PictureOptions;
+pub use spread::Spread;
 
 use crate::codec::binary;
 use crate::codec::binary::Reader;

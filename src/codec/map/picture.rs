@@ -290,34 +290,6 @@ fn bounds(left: usize, top: usize, width: usize, height: usize) -> Bounds {
     Bounds::new(corner, corner + Point::new(width as f64, height as f64))
 }
 
-impl Spread {
-    /// Decades shown below the upper end of a logarithmic scale.
-    const DECADES: f64 = 4.0;
-
-    /// Where `value` lies between the ends: 0 at the lower, 1 at the upper.
-    fn share(self, value: f64, (min, max): (f64, f64)) -> f64 {
-        let t = match self {
-            Self::Logarithmic => {
-                let floor = Self::floor(min, max);
-                if value <= floor { 0.0 } else { (value / floor).log10() / (max / floor).log10() }
-            }
-            _ => (value - min) / (max - min),
-        };
-        if self == Self::SquareRoot { t.max(0.0).sqrt() } else { t }.clamp(0.0, 1.0)
-    }
-
-    fn floor(min: f64, max: f64) -> f64 {
-        min.max(max * 10_f64.powf(-Self::DECADES)).min(max * 0.999).max(f64::MIN_POSITIVE)
-    }
-
-    fn ticks(self, (min, max): (f64, f64)) -> Ticks {
-        match self {
-            Self::Logarithmic if max > 0.0 => Ticks::logarithmic(Self::floor(min, max), max),
-            _ => Ticks::linear(min, max, 6),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

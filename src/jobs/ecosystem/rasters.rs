@@ -8,8 +8,7 @@ use biotope_api::warning::Warning;
 
 use crate::codec;
 use crate::codec::map::Georeference;
-use crate::codec::map::Map;
-use crate::codec::map::MapData;
+use crate::codec::mask::Fit;
 use crate::codec::sheet::Coding;
 use crate::codec::sheet::RasterError;
 use crate::codec::sheet::RawLayout;
@@ -63,7 +62,7 @@ pub fn terrain(input: &TerrainInput, sources: &dyn Sources) -> Result<Land, Inva
     let source = sources.open(&input.source).map_err(|e| e.at("/terrain/source"))?;
     let options = terrain_options(input, &source)?;
     let read = match &source.content {
-        Content::Artefact(Artefact::Map(map)) => Ok(of_map(map)),
+        Content::Artefact(Artefact::Map(map)) => Terrain::of(Sheet::from(map.clone()), &options),
         Content::Artefact(_) => return Err(no_map("/terrain/source")),
         Content::Encoded { bytes, .. } => Terrain::read(bytes, &options),
     };
@@ -87,45 +86,24 @@ pub fn map(
     sources: &dyn Sources,
 ) -> Result<Given, Invalid> {
     let source = sources.open(reference).map_err(|e| e.at(pointer))?;
-    let raster = match &source.content {
-        Content::Artefact(Artefact::Map(map)) => values(map),
+    let sheet = match &source.content {
+        Content::Artefact(Artefact::Map(map)) => Sheet::from(map.clone()),
         Content::Artefact(_) => return Err(no_map(pointer)),
         Content::Encoded { bytes, .. } => {
             let options = SheetOptions { max_cells: codec::sheet::MAX_CELLS, raw: None };
-            let sheet = Sheet::read(bytes, &options).map_err(|e| fault(&e, pointer))?;
-            levelled(sheet, levels)
+            levelled(Sheet::read(bytes, &options).map_err(|e| fault(&e, pointer))?, levels)
         }
     };
-    let found = (raster.grid.width, raster.grid.height);
-    if found != (grid.width, grid.height) {
-        let expected = format!("{} × {} cells, as the terrain has", grid.width, grid.height);
-        let found = format!("{} × {} cells", found.0, found.1);
-        return Err(Invalid::new(pointer, ErrorCode::SizeMismatch, expected, found));
+    let raster = codec::mask::values(sheet, grid, Fit::Exact).map_err(|e| fault(&e, pointer))?;
+    Ok(Given { raster, digest: source.digest })
+}
+
+/// Levels as the shares they stand for, where they do.
+fn levelled(mut sheet: Sheet, levels: Levels) -> Sheet {
+    if let (Coding::Levels(highest), Levels::Shares) = (sheet.coding, levels) {
+        sheet.values.iter_mut().for_each(|v| *v /= highest as f32);
     }
-    Ok(Given { raster: Raster { grid: *grid, data: raster.data }, digest: source.digest })
-}
-
-fn levelled(sheet: Sheet, levels: Levels) -> Raster<f32> {
-    let grid = Grid::new(sheet.width, sheet.height, 1.0);
-    let unit = match (sheet.coding, levels) {
-        (Coding::Levels(highest), Levels::Shares) => 1.0 / highest as f32,
-        _ => 1.0,
-    };
-    Raster { grid, data: sheet.values.into_iter().map(|v| v * unit).collect() }
-}
-
-fn values(map: &Map) -> Raster<f32> {
-    match &map.data {
-        MapData::F32(raster) => raster.clone(),
-        other => {
-            let grid = *other.grid();
-            Raster { grid, data: (0..grid.len()).map(|i| other.value(i).map_or(f32::NAN, |v| v as f32)).collect() }
-        }
-    }
-}
-
-fn of_map(map: &Map) -> Terrain {
-    Terrain { height: values(map), georeference: map.georeference.clone(), latitude_deg: None, warnings: Vec::new() }
+    sheet
 }
 
 fn no_map(pointer: &str) -> Invalid {
