@@ -48,8 +48,8 @@ impl Footprint {
     }
 
     /// How far apart the two would have to be moved to touch no more, in metres; negative when
-    /// they are apart. The least over twelve directions around the line of centres, refined by a
-    /// parabola: never less than the true depth, and within about 2 % of a body's width of it.
+    /// they are apart. The least over twelve directions around the line of centres, refined by
+    /// parabolas: never less than the true depth, and within about 2 % of a body's width of it.
     pub fn depth(&self, other: &Self) -> f64 {
         let offset = other.centre - self.centre;
         let distance_sq = offset.norm_sq();
@@ -81,15 +81,25 @@ impl Footprint {
     }
 }
 
-/// The minimum of the parabola through the best direction and its neighbours, if it is less.
-fn refine((depth, k): (f64, i32), along: impl Fn(f64) -> f64) -> f64 {
-    let middle = f64::from(k) * STEP;
-    let (left, right) = (along(middle - STEP), along(middle + STEP));
-    let bend = left - 2.0 * depth + right;
-    if bend <= 0.0 {
-        return depth;
+/// Rounds of refinement; each looks a third as far aside as the one before.
+const ROUNDS: i32 = 3;
+
+/// The minimum near the best direction: the minimum of the parabola through it and its neighbours,
+/// then of narrower ones.
+fn refine((mut depth, k): (f64, i32), along: impl Fn(f64) -> f64) -> f64 {
+    let (mut middle, mut step) = (f64::from(k) * STEP, STEP);
+    for _ in 0..ROUNDS {
+        let (left, right) = (along(middle - step), along(middle + step));
+        let bend = left - 2.0 * depth + right;
+        let shift = if bend > 0.0 { step * (0.5 * (left - right) / bend).clamp(-1.0, 1.0) } else { 0.0 };
+        for (angle, found) in [(middle - step, left), (middle + step, right), (middle + shift, along(middle + shift))] {
+            if found < depth {
+                (depth, middle) = (found, angle);
+            }
+        }
+        step /= 3.0;
     }
-    depth.min(along(middle + STEP * (0.5 * (left - right) / bend).clamp(-1.0, 1.0)))
+    depth
 }
 
 /// Sine and cosine of 0, 15, … 90 degrees.
