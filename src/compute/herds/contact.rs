@@ -64,20 +64,25 @@ impl Footprint {
             return first;
         }
         let side = Point::new(-line.y, line.x);
-        let mut best = (first, 0i32);
-        for k in 1..=SIDES as i32 {
-            for k in [k, -k] {
-                let (sin, cos) = TURNS[k.unsigned_abs() as usize];
-                let depth = along(line * cos + side * (sin * f64::from(k.signum())));
-                if depth <= 0.0 {
-                    return depth;
-                }
-                if depth < best.0 {
-                    best = (depth, k);
-                }
+        let mut depths = [first; 2 * SIDES + 1];
+        for (i, depth) in depths.iter_mut().enumerate() {
+            let (sin, cos) = TURNS[i.abs_diff(SIDES)];
+            let sin = if i < SIDES { -sin } else { sin };
+            *depth = along(line * cos + side * sin);
+            if *depth <= 0.0 {
+                return *depth;
             }
         }
-        refine(best, |angle| along(line * libm::cos(angle) + side * libm::sin(angle)))
+        // The depth may have a valley on either side of the line of centres: each is refined.
+        let is_valley = |i: usize| {
+            let at = |j: Option<usize>| j.and_then(|j| depths.get(j)).is_none_or(|d| depths[i] <= *d);
+            at(i.checked_sub(1)) && at(Some(i + 1))
+        };
+        let valleys = (0..depths.len()).filter(|i| is_valley(*i));
+        valleys.fold(first, |least, i| {
+            let start = (depths[i], i as i32 - SIDES as i32);
+            least.min(refine(start, |angle| along(line * libm::cos(angle) + side * libm::sin(angle))))
+        })
     }
 }
 
