@@ -10,7 +10,7 @@
 //! | [`error`] | every error code with its status and meaning, and the problem document |
 //! | [`warning`] | every warning code, and a warning |
 //! | [`link`], [`job`], [`process`], [`execute`], [`asset`] | the resources of OGC API – Processes |
-//! | [`reference`] | an input given by value or by reference |
+//! | [`mod@reference`] | an input given by value or by reference |
 //! | [`echo`] and the others | one module a process: its inputs, and outputs that are documents |
 
 pub mod asset;

@@ -90,7 +90,7 @@ pub fn job(view: &JobView) -> String {
     let (first, rest): (Vec<_>, Vec<_>) = view.outputs.iter().partition(|output| !output.of_a_family);
     body.push_str(&warnings(&view.warnings));
     body.push_str(&figures("Maps and pictures", first.iter().filter(|output| is_picture(output))));
-    body.push_str(&documents("Summary", &view.outputs, |output| is_summary(output)));
+    body.push_str(&documents("Summary", &view.outputs, is_summary));
     for family in rest.chunk_by(|a, b| a.order == b.order) {
         let title = family.first().map_or("", |output| output.title.as_str());
         body.push_str(&figures(title, family.iter().filter(|output| is_picture(output))));

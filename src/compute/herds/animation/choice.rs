@@ -156,7 +156,7 @@ impl Chooser<'_> {
         if sees(soon) && sees(guide) {
             return Aim::Guide(guide);
         }
-        let detour = self.detour(&scene.movers[i], soon, &sees);
+        let detour = self.detour(&scene.movers[i], soon, sees);
         let way = detour.or_else(|| self.guides.rejoin(place, scene.progress, sees));
         way.map_or(Aim::Guide(guide), Aim::Detour)
     }
