@@ -7,6 +7,7 @@ mod flora_study;
 mod herds_animation;
 mod herds_drawn;
 mod herds_extraction;
+mod herds_key_herd;
 mod herds_photo;
 mod planning;
 mod resources;
