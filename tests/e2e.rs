@@ -155,6 +155,78 @@ fn a_job_survives_the_sudden_death_of_the_service_with_the_same_bytes() {
     assert_eq!(second.results(&job), undisturbed.results(&same));
 }
 
+/// The valley example with its files uploaded: a solve of some seconds.
+fn valley(server: &Server) -> Value {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("api/examples");
+    let text = std::fs::read_to_string(folder.join("ecosystem-valley.json")).expect("the example");
+    let mut request: Value = serde_json::from_str(&text).expect("JSON");
+    upload_files(server, &folder, &mut request);
+    request
+}
+
+/// Replaces every reference to a file by one to the file uploaded.
+fn upload_files(server: &Server, folder: &Path, value: &mut Value) {
+    match value {
+        Value::Object(fields) => {
+            if let Some(Value::String(href)) = fields.get_mut("href") {
+                let bytes = std::fs::read(folder.join(&*href)).expect("the file");
+                let request = agent().post(format!("{}/assets", server.base)).header("content-type", "image/tiff");
+                let (status, answer) = answer(request.send(&bytes[..]));
+                assert!([200, 201].contains(&status), "{status}");
+                let asset: Value = serde_json::from_slice(&answer).expect("JSON");
+                *href = format!("/assets/{}", asset["digest"].as_str().expect("a digest"));
+            }
+            fields.values_mut().for_each(|field| upload_files(server, folder, field));
+        }
+        Value::Array(items) => items.iter_mut().for_each(|item| upload_files(server, folder, item)),
+        _ => {}
+    }
+}
+
+#[test]
+fn a_solve_survives_the_sudden_death_of_the_service_with_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut server = Server::start(folder.path(), &[]);
+    let request = valley(&server);
+    let job = server.submit("ecosystem", &request);
+    // Killed early in the solve, and again late in it.
+    for percent in [5, 60] {
+        while server.json(&job)["progress"].as_u64().is_some_and(|progress| progress < percent) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert_eq!(server.json(&job)["status"], "running", "the test came too late");
+        server.kill();
+        server = Server::start(folder.path(), &[]);
+    }
+    assert_eq!(server.until(&job, &["successful", "failed"])["status"], "successful");
+    let elsewhere = tempfile::tempdir().expect("a folder");
+    let undisturbed = Server::start(elsewhere.path(), &[]);
+    let same = undisturbed.submit("ecosystem", &valley(&undisturbed));
+    assert_eq!(undisturbed.until(&same, &["successful", "failed"])["status"], "successful");
+    let (survived, expected) = (server.results(&job), undisturbed.results(&same));
+    assert!(expected.len() > 20, "{}", expected.len());
+    for ((id, bytes), (same_id, same_bytes)) in survived.iter().zip(&expected) {
+        assert!(id == same_id && bytes == same_bytes, "{id} differs");
+    }
+    assert_eq!(survived.len(), expected.len());
+}
+
+#[test]
+fn a_dismissal_in_the_middle_of_a_solve_stops_it_and_frees_its_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &["--jobs", "1"]);
+    let request = valley(&server);
+    let job = server.submit("ecosystem", &request);
+    server.under_way(&job);
+    let next = server.submit("ecosystem", &request);
+    let begin = Instant::now();
+    assert_eq!(server.delete(&job), 200);
+    server.until(&next, &["running", "successful"]);
+    assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
+    assert_eq!(server.json(&job)["status"], "dismissed");
+    server.delete(&next);
+}
+
 #[test]
 fn a_job_that_brings_the_service_down_three_times_is_given_up() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -161,3 +161,17 @@ fn the_wire_crate_depends_on_nothing_of_ours() {
         assert!(["serde", "serde_json", "schemars"].contains(&name), "{name}");
     }
 }
+
+#[test]
+fn every_file_of_tests_is_named_by_its_module() {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    for folder in ["http", "jobs", "science"] {
+        let listed = fs::read_to_string(tests.join(folder).join("mod.rs")).expect("a mod.rs");
+        for entry in fs::read_dir(tests.join(folder)).expect("a folder") {
+            let path = entry.expect("a readable entry").path();
+            let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+            let is_module = path.extension().is_some_and(|e| e == "rs") && name != "mod";
+            assert!(!is_module || listed.contains(&format!("mod {name};")), "{folder}/{name}.rs is never run");
+        }
+    }
+}

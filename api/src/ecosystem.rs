@@ -332,7 +332,8 @@ pub struct AnimalInput {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GivenMaps {
-    /// Depth of lakes and rivers, metres; 0 where dry.
+    /// Depth of lakes and rivers, metres; 0 where dry. A grey picture is a mask: white is water one
+    /// metre deep.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub water_depth_m: Option<Reference>,
     /// Soil type: 0 limestone, 1 water, 2 marl, 3 fallen rocks, 4 alluvium.
@@ -349,7 +350,7 @@ pub struct GivenMaps {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 12))]
     pub sunlight: Vec<Reference>,
-    /// Monthly minimum temperature, °C: one map, or twelve.
+    /// Monthly minimum temperature, °C, nowhere above the maximum: one map, or twelve.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 12))]
     pub temperature_min_c: Vec<Reference>,

@@ -8,8 +8,9 @@ use serde_json::Value;
 use serde_json::json;
 
 /// An ESRI ASCII grid of `values`, row by row, on cells of 30 m, as a reference by value.
-fn grid(columns: usize, rows: usize, values: impl Fn(usize, usize) -> f64) -> Value {
-    let mut text = format!("ncols {columns}\nnrows {rows}\nxllcorner 0\nyllcorner 0\ncellsize 30\nNODATA_value -9999\n");
+pub fn grid(columns: usize, rows: usize, values: impl Fn(usize, usize) -> f64) -> Value {
+    let mut text =
+        format!("ncols {columns}\nnrows {rows}\nxllcorner 0\nyllcorner 0\ncellsize 30\nNODATA_value -9999\n");
     for row in 0..rows {
         let line: Vec<String> = (0..columns).map(|column| values(column, row).to_string()).collect();
         text.push_str(&line.join(" "));
@@ -18,20 +19,20 @@ fn grid(columns: usize, rows: usize, values: impl Fn(usize, usize) -> f64) -> Va
     by_value(&text)
 }
 
-fn by_value(text: &str) -> Value {
+pub fn by_value(text: &str) -> Value {
     json!({"value": text, "mediaType": "text/plain"})
 }
 
-fn slope(column: usize, row: usize) -> f64 {
+pub fn slope(column: usize, row: usize) -> f64 {
     100.0 + 2.0 * column as f64 + row as f64
 }
 
-fn month() -> Value {
+pub fn month() -> Value {
     json!({"temperature_mean_c": 12, "temperature_half_range_c": 5, "precipitation_mm": 60, "sunshine_fraction": 0.5})
 }
 
 /// Inputs that are valid.
-fn inputs() -> Value {
+pub fn inputs() -> Value {
     json!({
         "terrain": {"source": grid(12, 10, slope), "latitude_deg": 43},
         "climate": {"months": vec![month(); 12]},
@@ -40,7 +41,7 @@ fn inputs() -> Value {
     })
 }
 
-fn with(change: impl Fn(&mut Value)) -> Value {
+pub fn with(change: impl Fn(&mut Value)) -> Value {
     let mut all = inputs();
     change(&mut all);
     all
@@ -114,6 +115,54 @@ fn a_colour_picture_is_no_terrain() {
 fn a_map_of_another_size_is_refused() {
     let mask = grid(9, 10, |_, _| 0.0);
     assert_fault(with(|i| i["maps"] = json!({"exclusion": mask})), "/maps/exclusion", "SIZE_MISMATCH");
+}
+
+/// A terrain-sized grey picture of one level, or a TIFF of its bytes.
+fn grey(level: u8) -> Value {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 12, 10);
+    encoder.set_color(png::ColorType::Grayscale);
+    let mut writer = encoder.write_header().expect("a header");
+    writer.write_image_data(&[level; 120]).expect("pixels");
+    drop(writer);
+    let text: String = bytes.iter().map(|b| format!("%{b:02X}")).collect();
+    json!({ "href": format!("data:image/png,{text}") })
+}
+
+#[test]
+fn a_map_of_a_quantity_is_no_grey_picture_but_a_mask_may_be_one() {
+    for (field, map) in [("texture", json!(grey(90))), ("moisture/0", json!([grey(90)]))] {
+        let name = field.trim_end_matches("/0");
+        assert_fault(with(|i| i["maps"] = json!({ name: map })), &format!("/maps/{field}"), "NO_RANGE");
+    }
+    for name in ["exclusion", "water_depth_m"] {
+        assert_eq!(faults(with(|i| i["maps"] = json!({ name: grey(255) }))), []);
+    }
+}
+
+#[test]
+fn a_map_of_impossible_values_is_refused() {
+    for (pointer, value) in [
+        ("temperature_max_c/0", 290.0),
+        ("temperature_min_c/0", -273.2),
+        ("moisture/0", 40.0),
+        ("sunlight/0", 1.5),
+        ("water_depth_m", -2.0),
+        ("exclusion", 7.0),
+        ("soil", 9.0),
+    ] {
+        let map = grid(12, 10, |_, _| value);
+        let name = pointer.trim_end_matches("/0");
+        let map = if name == pointer { map } else { json!([map]) };
+        assert_fault(with(|i| i["maps"] = json!({ name: map })), &format!("/maps/{pointer}"), "out-of-range");
+    }
+}
+
+#[test]
+fn a_minimum_above_the_maximum_of_its_month_is_refused() {
+    let year = |value: f64| json!([grid(12, 10, |_, _| value)]);
+    let maps = json!({"temperature_min_c": year(12.0), "temperature_max_c": year(8.0)});
+    assert_fault(with(|i| i["maps"] = maps.clone()), "/maps/temperature_min_c", "inconsistent");
 }
 
 #[test]

@@ -1,6 +1,8 @@
-//! The queue and the worker: what must hold whatever happens.
+//! The queue and the worker: what must hold whatever happens. What each process refuses, and says.
 
 pub mod determinism;
+mod ecosystem_inputs;
+mod ecosystem_outcomes;
 mod memo;
 mod queue;
 mod worker;

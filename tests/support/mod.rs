@@ -40,6 +40,13 @@ impl TestApp {
         Self::with(settings(), Limits::default()).await
     }
 
+    /// A service with the processes that users have.
+    pub async fn standard() -> Self {
+        let processes = Registry::standard().expect("schemas");
+        let jobs = Jobs::in_memory(processes, settings()).await.expect("a service in memory");
+        Self { app: App::new(jobs, Limits::default()).expect("a service") }
+    }
+
     pub async fn with(settings: Settings, limits: Limits) -> Self {
         let jobs = Jobs::in_memory(registry(), settings).await.expect("a service in memory");
         Self { app: App::new(jobs, limits).expect("a service") }

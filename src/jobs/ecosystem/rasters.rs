@@ -48,14 +48,24 @@ pub struct Given {
     pub digest: Digest,
 }
 
-/// What the levels of a grey picture stand for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Levels {
-    /// Shares: 0 is 0, the highest level is 1.
-    Shares,
-    /// Themselves.
-    Codes,
+/// What the numbers of a map are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Meaning {
+    /// Shares from 0 to 1; a grey picture from black to white.
+    Share,
+    /// Metres of water; a grey picture is a mask, whose white is [`MASK_DEPTH_M`] deep.
+    Depth,
+    /// Values in a unit of their own from the least to the most, which no grey picture holds.
+    Quantity(f32, f32),
+    /// Numbers of kinds.
+    Code,
 }
+
+/// Depth of the water that a mask paints, metres (ours: deep enough that herds need a ford).
+const MASK_DEPTH_M: f32 = 1.0;
+
+/// More than any water on Earth is deep (Mariana Trench, 10.9 km), metres.
+const MOST_DEPTH_M: f32 = 12_000.0;
 
 /// Reads a terrain.
 pub fn terrain(input: &TerrainInput, sources: &dyn Sources) -> Result<Land, Invalid> {
@@ -78,10 +88,10 @@ pub fn terrain(input: &TerrainInput, sources: &dyn Sources) -> Result<Land, Inva
     })
 }
 
-/// Reads a map that must be of the grid's size.
+/// Reads a map that must be of the grid's size, with values that its meaning allows.
 pub fn map(
     pointer: &str,
-    (reference, levels): (&Reference, Levels),
+    (reference, meaning): (&Reference, Meaning),
     grid: &Grid,
     sources: &dyn Sources,
 ) -> Result<Given, Invalid> {
@@ -91,19 +101,45 @@ pub fn map(
         Content::Artefact(_) => return Err(no_map(pointer)),
         Content::Encoded { bytes, .. } => {
             let options = SheetOptions { max_cells: codec::sheet::MAX_CELLS, raw: None };
-            levelled(Sheet::read(bytes, &options).map_err(|e| fault(&e, pointer))?, levels)
+            Sheet::read(bytes, &options).map_err(|e| fault(&e, pointer))?
         }
     };
-    let raster = codec::mask::values(sheet, grid, Fit::Exact).map_err(|e| fault(&e, pointer))?;
+    if matches!(meaning, Meaning::Quantity(..)) && is_grey_picture(&sheet) {
+        let expected = "numbers in the unit of the map, as GeoTIFF and ASCII grids hold them";
+        return Err(Invalid::new(pointer, ErrorCode::NoRange, expected, "a grey picture"));
+    }
+    let raster = meant(sheet, meaning, grid).map_err(|e| fault(&e, pointer))?;
     Ok(Given { raster, digest: source.digest })
 }
 
-/// Levels as the shares they stand for, where they do.
-fn levelled(mut sheet: Sheet, levels: Levels) -> Sheet {
-    if let (Coding::Levels(highest), Levels::Shares) = (sheet.coding, levels) {
-        sheet.values.iter_mut().for_each(|v| *v /= highest as f32);
+fn is_grey_picture(sheet: &Sheet) -> bool {
+    matches!(sheet.coding, Coding::Levels(_))
+}
+
+/// The values of a sheet, as they are meant.
+fn meant(sheet: Sheet, meaning: Meaning, grid: &Grid) -> Result<Raster<f32>, RasterError> {
+    let levels = is_grey_picture(&sheet);
+    match meaning {
+        Meaning::Share => codec::mask::weights(sheet, grid, Fit::Exact),
+        Meaning::Depth if levels => {
+            Ok(codec::mask::weights(sheet, grid, Fit::Exact)?.map(|share| share * MASK_DEPTH_M))
+        }
+        Meaning::Depth => within(codec::mask::values(sheet, grid, Fit::Exact)?, 0.0, MOST_DEPTH_M),
+        Meaning::Quantity(min, max) => within(codec::mask::values(sheet, grid, Fit::Exact)?, min, max),
+        Meaning::Code => codec::mask::values(sheet, grid, Fit::Exact),
     }
-    sheet
+}
+
+/// The map, unless one of its values lies outside a range.
+fn within(map: Raster<f32>, min: f32, max: f32) -> Result<Raster<f32>, RasterError> {
+    let outside = map.data.iter().find(|v| !v.is_nan() && !(min..=max).contains(*v));
+    match outside {
+        None => Ok(map),
+        Some(found) => {
+            let (min, max) = (f64::from(min), f64::from(max));
+            Err(RasterError::OutOfRange { min, max, found: f64::from(*found) })
+        }
+    }
 }
 
 fn no_map(pointer: &str) -> Invalid {

@@ -34,7 +34,7 @@ use crate::jobs::Hasher;
 use crate::jobs::Invalid;
 use crate::jobs::Sources;
 use crate::jobs::ecosystem::rasters;
-use crate::jobs::ecosystem::rasters::Levels;
+use crate::jobs::ecosystem::rasters::Meaning;
 use crate::jobs::ecosystem::species;
 use crate::jobs::ecosystem::species::Animals;
 use crate::jobs::ecosystem::species::Plants;
@@ -108,10 +108,11 @@ impl Request {
             faults.push("/terrain/latitude_deg", ErrorCode::Missing, expected, "nothing");
         }
         let mut maps = Maps::new(land.height.grid, sources);
-        let (water_depth, water) = maps.read(|m| m.one("/maps/water_depth_m", inputs.maps.water_depth_m.as_ref()));
+        let (water_depth, water) =
+            maps.read(|m| m.one("/maps/water_depth_m", (inputs.maps.water_depth_m.as_ref(), Meaning::Depth)));
         let (given, given_digest) = maps.read(|m| m.given(&inputs));
-        let (covers, painted) =
-            maps.read(|m| (m.painted(&inputs), m.one("/maps/exclusion", inputs.maps.exclusion.as_ref())));
+        let (covers, painted) = maps
+            .read(|m| (m.painted(&inputs), m.one("/maps/exclusion", (inputs.maps.exclusion.as_ref(), Meaning::Share))));
         faults.extend(maps.faults);
         let passages = faults.keep(passages(&inputs.passages, &land.height.grid));
         let edits = faults.keep(edits(&inputs.planning.edits)).unwrap_or_default();
@@ -307,6 +308,12 @@ fn edits(inputs: &[PlanningEdit]) -> Result<Vec<(usize, Edit)>, Invalid> {
     faults.into_result().map(|()| edits)
 }
 
+/// Temperatures of Earth's air, with room to spare; those in kelvin lie outside.
+const CELSIUS: Meaning = Meaning::Quantity(-100.0, 100.0);
+
+/// Moisture and texture: scale 1 to 9, with the moisture of open water (12) and of nothing (0).
+const SCALE: Meaning = Meaning::Quantity(0.0, 12.0);
+
 /// Reads maps that must fit the terrain, collecting faults and digests.
 struct Maps<'a> {
     grid: Grid,
@@ -326,28 +333,24 @@ impl<'a> Maps<'a> {
         (value, std::mem::replace(&mut self.hasher, Hasher::new()).finish())
     }
 
-    fn one(&mut self, pointer: &str, reference: Option<&Reference>) -> Option<Raster<f32>> {
-        self.read_as(pointer, (reference?, Levels::Shares))
-    }
-
-    fn read_as(&mut self, pointer: &str, what: (&Reference, Levels)) -> Option<Raster<f32>> {
-        let map = self.faults.keep(rasters::map(pointer, what, &self.grid, self.sources))?;
+    fn one(&mut self, pointer: &str, what: (Option<&Reference>, Meaning)) -> Option<Raster<f32>> {
+        let map = self.faults.keep(rasters::map(pointer, (what.0?, what.1), &self.grid, self.sources))?;
         let hasher = std::mem::replace(&mut self.hasher, Hasher::new());
         self.hasher = hasher.part(pointer, map.digest.to_string().as_bytes());
         Some(map.raster)
     }
 
     /// One map for the whole year, or twelve.
-    fn monthly(&mut self, pointer: &str, references: &[Reference]) -> Option<MonthlyMap> {
+    fn monthly(&mut self, pointer: &str, (references, meaning): (&[Reference], Meaning)) -> Option<MonthlyMap> {
         match references {
             [] => None,
             [year] => {
-                let base = self.one(&format!("{pointer}/0"), Some(year))?;
+                let base = self.one(&format!("{pointer}/0"), (Some(year), meaning))?;
                 Some(MonthlyMap::Shifted { base, offset: [0.0; MONTHS] })
             }
             months if months.len() == MONTHS => {
                 let maps: Vec<Raster<f32>> =
-                    (0..MONTHS).filter_map(|m| self.one(&format!("{pointer}/{m}"), months.get(m))).collect();
+                    (0..MONTHS).filter_map(|m| self.one(&format!("{pointer}/{m}"), (months.get(m), meaning))).collect();
                 (maps.len() == MONTHS).then_some(MonthlyMap::Maps(maps))
             }
             other => {
@@ -359,18 +362,32 @@ impl<'a> Maps<'a> {
 
     fn given(&mut self, inputs: &EcosystemInputs) -> GivenMaps {
         let maps = &inputs.maps;
+        let temperature_min_c = self.monthly("/maps/temperature_min_c", (&maps.temperature_min_c, CELSIUS));
+        let temperature_max_c = self.monthly("/maps/temperature_max_c", (&maps.temperature_max_c, CELSIUS));
+        self.in_order(temperature_min_c.as_ref(), temperature_max_c.as_ref());
         GivenMaps {
-            temperature_min_c: self.monthly("/maps/temperature_min_c", &maps.temperature_min_c),
-            temperature_max_c: self.monthly("/maps/temperature_max_c", &maps.temperature_max_c),
-            sunlight: self.monthly("/maps/sunlight", &maps.sunlight),
-            moisture: self.monthly("/maps/moisture", &maps.moisture),
-            texture: self.one("/maps/texture", maps.texture.as_ref()),
+            temperature_min_c,
+            temperature_max_c,
+            sunlight: self.monthly("/maps/sunlight", (&maps.sunlight, Meaning::Share)),
+            moisture: self.monthly("/maps/moisture", (&maps.moisture, SCALE)),
+            texture: self.one("/maps/texture", (maps.texture.as_ref(), SCALE)),
             soil: self.soil(maps.soil.as_ref()),
         }
     }
 
+    /// No minimum may lie above the maximum of its month.
+    fn in_order(&mut self, min: Option<&MonthlyMap>, max: Option<&MonthlyMap>) {
+        let (Some(min), Some(max)) = (min, max) else { return };
+        let places = (0..MONTHS).flat_map(|month| (0..self.grid.len()).map(move |cell| (month, cell)));
+        let found = places.map(|(m, c)| (m, min.value(m, c), max.value(m, c))).find(|(_, low, high)| low > high);
+        if let Some((month, low, high)) = found {
+            let expected = format!("at most the month's maximum, {high} °C in month {}", month + 1);
+            self.faults.push("/maps/temperature_min_c", ErrorCode::Inconsistent, expected, low);
+        }
+    }
+
     fn soil(&mut self, reference: Option<&Reference>) -> Option<Raster<u8>> {
-        let map = self.read_as("/maps/soil", (reference?, Levels::Codes))?;
+        let map = self.one("/maps/soil", (reference, Meaning::Code))?;
         match map.data.iter().find(|v| !(v.is_nan() || [0.0, 1.0, 2.0, 3.0, 4.0].contains(*v))) {
             None => Some(map.map(|v| if v.is_nan() { u8::MAX } else { v as u8 })),
             Some(odd) => {
@@ -382,7 +399,8 @@ impl<'a> Maps<'a> {
 
     fn painted(&mut self, inputs: &EcosystemInputs) -> Vec<(usize, Raster<f32>)> {
         let cover = |(i, plant): (usize, &biotope_api::ecosystem::PlantInput)| {
-            self.one(&format!("/plants/{i}/painted_cover"), plant.painted_cover.as_ref()).map(|map| (i, map))
+            let map = (plant.painted_cover.as_ref(), Meaning::Share);
+            self.one(&format!("/plants/{i}/painted_cover"), map).map(|map| (i, map))
         };
         inputs.plants.iter().enumerate().filter_map(cover).collect()
     }
