@@ -89,7 +89,7 @@ fn keeps_what_is_exact(herd: &KeyHerd, obstacles: &Obstacles, options: &KeyHerdO
     assert_eq!(herd.ellipses.len(), options.count);
     for e in &herd.ellipses {
         assert_eq!((e.a, e.b), options.body);
-        assert!(!obstacles.hold(e.centre));
+        assert!(!obstacles.touch(e.centre, e.b));
         let field = f64::from(herd.orientation.at(e.centre).unwrap());
         assert!(angle_between(e.theta, field) < 1f64.to_radians());
         assert!(herd.density.at(e.centre).unwrap() > 0.0);

@@ -33,6 +33,16 @@ impl Obstacles {
             || self.mask.as_ref().is_some_and(|mask| mask.at(p).is_some_and(|cell| cell != 0))
     }
 
+    /// Whether an obstacle comes within `reach` metres of `p`; a mask is looked at in the eight
+    /// main directions, so that `reach` should not be far above its cells.
+    pub fn touch(&self, p: Point, reach: f64) -> bool {
+        let around = |k: u32| p + Point::from_angle(f64::from(k) * std::f64::consts::FRAC_PI_4) * reach;
+        let closed = |mask: &Raster<u8>, q: Point| mask.at(q).is_some_and(|cell| cell != 0);
+        self.disks.iter().any(|(centre, radius)| centre.distance_sq(p) <= (radius + reach) * (radius + reach))
+            || self.areas.iter().any(|area| area.contains_within(p, reach))
+            || self.mask.as_ref().is_some_and(|mask| closed(mask, p) || (0..8).any(|k| closed(mask, around(k))))
+    }
+
     /// The cells of `grid` that an obstacle touches (1), so that no obstacle is missed between
     /// cell centres; an area that passes a cell within half its diagonal counts as touching.
     pub fn cover(&self, grid: Grid, run: &Run) -> Result<Raster<u8>, Stopped> {

@@ -2,19 +2,13 @@ use super::ExtractionError;
 use super::Mark;
 use super::Photo;
 use super::colour;
+use super::machine::Machine;
+use super::machine::Sample;
 use crate::compute::run::Run;
-use linfa::prelude::Fit;
-use linfa::prelude::ParamGuard;
-use linfa_svm::Svm;
-use ndarray16::Array1;
-use ndarray16::Array2;
 use rayon::prelude::*;
 
 /// Decision values are cut to ±1 and stored in this many steps.
 const SCORE_SCALE: f64 = 100.0;
-
-/// Multipliers below this are no support vectors (as the solver counts them).
-const NO_SUPPORT: f64 = 2e-14;
 
 /// The support vector machine on colour.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,9 +32,7 @@ impl Default for ClassifierOptions {
 
 /// A trained support vector machine with a Gaussian kernel on standardised L\*a\*b\*.
 pub(super) struct Classifier {
-    /// Support vectors (standardised) with their signed multipliers.
-    support: Vec<([f64; 3], f64)>,
-    rho: f64,
+    machine: Machine,
     standard: Standard,
     /// Share of the training samples that are given back as they were marked.
     pub training_accuracy: f64,
@@ -53,22 +45,30 @@ struct Standard {
 }
 
 /// Learns animal from ground.
-pub(super) fn train(photo: &Photo, marks: &[Mark], options: &ClassifierOptions) -> Result<Classifier, ExtractionError> {
+pub(super) fn train(
+    photo: &Photo,
+    marks: &[Mark],
+    options: &ClassifierOptions,
+    run: &Run,
+) -> Result<Classifier, ExtractionError> {
     let half = (options.max_samples / 2).max(1);
     let (animals, ground) = (samples(photo, marks, Mark::Animal, half), samples(photo, marks, Mark::Ground, half));
-    let targets: Vec<bool> = animals.iter().map(|_| true).chain(ground.iter().map(|_| false)).collect();
-    let price = |n: usize| options.c * targets.len() as f64 / (2.0 * n as f64);
-    let prices = (price(animals.len()), price(ground.len()));
-    let colours = [animals, ground].concat();
-    let standard = Standard::of(&colours);
-    let features: Vec<[f64; 3]> = colours.iter().map(|c| standard.apply(*c)).collect();
-    let mut classifier = fit(&features, &targets, prices)?.with(standard);
-    let right = features.iter().zip(&targets).filter(|(f, t)| (classifier.decide(**f) >= 0.0) == **t).count();
-    classifier.training_accuracy = right as f64 / targets.len() as f64;
-    if classifier.training_accuracy < options.least_accuracy {
-        return Err(ExtractionError::SameColours { percent: 100.0 * classifier.training_accuracy });
+    let count = animals.len() + ground.len();
+    // Sides of unequal number weigh the same.
+    let price = |n: usize| options.c * count as f64 / (2.0 * n as f64);
+    let standard = Standard::of(&[animals.as_slice(), &ground].concat());
+    let marked = |colours: Vec<[f64; 3]>, side: f64| {
+        let (standard, price) = (&standard, price(colours.len()));
+        colours.into_iter().map(move |c| Sample { feature: standard.apply(c), side, price })
+    };
+    let samples: Vec<Sample> = marked(animals, 1.0).chain(marked(ground, -1.0)).collect();
+    let machine = Machine::train(&samples, run)?;
+    let right = samples.iter().filter(|s| (machine.decide(s.feature) >= 0.0) == (s.side > 0.0)).count();
+    let training_accuracy = right as f64 / count as f64;
+    if training_accuracy < options.least_accuracy {
+        return Err(ExtractionError::SameColours { percent: 100.0 * training_accuracy });
     }
-    Ok(classifier)
+    Ok(Classifier { machine, standard, training_accuracy })
 }
 
 /// Up to `most` colours under `mark`, evenly spread over all its pixels.
@@ -80,39 +80,7 @@ fn samples(photo: &Photo, marks: &[Mark], mark: Mark, most: usize) -> Vec<[f64; 
         .collect()
 }
 
-/// A machine before its accuracy is known.
-struct Machine {
-    support: Vec<([f64; 3], f64)>,
-    rho: f64,
-}
-
-impl Machine {
-    fn with(self, standard: Standard) -> Classifier {
-        Classifier { support: self.support, rho: self.rho, standard, training_accuracy: 0.0 }
-    }
-}
-
-/// Sequential minimal optimisation by linfa; the stopping tolerance 10⁻³ is LIBSVM's, the kernel
-/// width exp(−d²/3) is the customary one for three standardised features.
-fn fit(features: &[[f64; 3]], targets: &[bool], prices: (f64, f64)) -> Result<Machine, ExtractionError> {
-    let failed = |reason: String| ExtractionError::Classifier { reason };
-    let records = Array2::from_shape_vec((features.len(), 3), features.concat()).map_err(|e| failed(e.to_string()))?;
-    let data = linfa::Dataset::new(records, Array1::from_vec(targets.to_vec()));
-    let params = Svm::<f64, bool>::params().pos_neg_weights(prices.0, prices.1).eps(1e-3).gaussian_kernel(3.0);
-    let model = params.check().and_then(|p| p.fit(&data)).map_err(|e| failed(e.to_string()))?;
-    let support = features.iter().copied().zip(model.alpha.iter().copied()).filter(|(_, a)| a.abs() > NO_SUPPORT);
-    Ok(Machine { support: support.collect(), rho: model.rho })
-}
-
 impl Classifier {
-    fn decide(&self, feature: [f64; 3]) -> f64 {
-        let kernel = |s: &[f64; 3]| {
-            let d: f64 = (0..3).map(|i| (s[i] - feature[i]) * (s[i] - feature[i])).sum();
-            libm::exp(-d / 3.0)
-        };
-        self.support.iter().map(|(s, alpha)| alpha * kernel(s)).sum::<f64>() - self.rho
-    }
-
     /// The decision value of every pixel, cut to ±1 and in steps of 1/100: positive for animals.
     /// Evaluated once per colour that occurs, the rest is looking up.
     pub(super) fn scores(&self, photo: &Photo, run: &Run) -> Result<Vec<i8>, ExtractionError> {
@@ -127,7 +95,7 @@ impl Classifier {
 
     fn score(&self, colour: usize) -> i8 {
         let feature = self.standard.apply(colour::lab(colour::representative(colour)));
-        (self.decide(feature).clamp(-1.0, 1.0) * SCORE_SCALE) as i8
+        (self.machine.decide(feature).clamp(-1.0, 1.0) * SCORE_SCALE) as i8
     }
 }
 

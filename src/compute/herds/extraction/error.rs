@@ -53,12 +53,6 @@ pub enum ExtractionError {
         /// Share of the marked pixels that the classifier gets right, in percent.
         percent: f64,
     },
-    /// The support vector machine could not be trained.
-    #[error("the classifier could not be trained: {reason}")]
-    Classifier {
-        /// What the solver said.
-        reason: String,
-    },
     /// Nothing in the picture looks like an animal.
     #[error("no region of the picture looks like the marked animals")]
     NoRegion,

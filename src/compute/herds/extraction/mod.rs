@@ -9,6 +9,7 @@ mod colour;
 mod correction;
 mod ellipses;
 mod error;
+mod machine;
 mod mask;
 mod outliers;
 mod photo;
@@ -114,7 +115,7 @@ pub fn extract(
     let smooth = photo.blurred();
     run.progress(STAGE, 1, 6)?;
     // 3. A support vector machine learns animal from ground, once per colour that occurs.
-    let classifier = classifier::train(&smooth, &marks, &options.classifier)?;
+    let classifier = classifier::train(&smooth, &marks, &options.classifier, run)?;
     let scores = classifier.scores(&smooth, run)?;
     run.progress(STAGE, 2, 6)?;
     // 4. Smoothed decision values become the mask.

@@ -25,6 +25,10 @@ const HANDFUL: usize = 8;
 /// A dart that hits a masked part of a cell is thrown again at most this often.
 const RETHROWS: usize = 64;
 
+/// A dart that hits another animal too deep is thrown again at most this often before its error
+/// is looked at (ours: the text knows no overlap, and a look for room costs little).
+const ROOM_THROWS: usize = 12;
+
 /// A herd as it is laid out.
 pub(super) struct Layout {
     pub ellipses: Vec<Ellipse>,
@@ -48,6 +52,32 @@ struct Dart {
     error: f64,
 }
 
+/// Where a dart hit the ground.
+struct Landing {
+    ellipse: Ellipse,
+    /// Metres to the nearest animal.
+    nearest: f64,
+    /// Metres by which it overlaps deeper than allowed.
+    excess: f64,
+}
+
+impl Landing {
+    /// The first throw that lands with room, or the one that lacks least.
+    fn with_room(mut throw: impl FnMut() -> Self) -> Self {
+        let mut best = throw();
+        for _ in 1..ROOM_THROWS {
+            if best.excess == 0.0 {
+                break;
+            }
+            let next = throw();
+            if next.excess < best.excess {
+                best = next;
+            }
+        }
+        best
+    }
+}
+
 /// Throws darts until all animals have a place: by the density map, angled by the orientation
 /// field, accepted when the error of the curve (T eq. 4.3) falls, or the best of `max_fails`.
 pub(super) fn throw(
@@ -66,16 +96,20 @@ pub(super) fn throw(
         let now = trial.as_ref().map_or(f64::INFINITY, EllipseTrial::error);
         let aim = |throw: usize| {
             let mut random = Stream::new(options.seed, DART, (animal as u64) << 24 | throw as u64);
-            let place = sampler.draw(&mut random, site);
-            let theta = f64::from(maps.orientation.at(place).unwrap_or(0.0));
-            let ellipse = Ellipse { centre: place, a: options.body.0, b: options.body.1, theta };
-            let (depth, nearest) = crowd.look(&ellipse);
+            let throw = || {
+                let place = sampler.draw(&mut random, |p| site.admits(p, options.body.1));
+                let theta = f64::from(maps.orientation.at(place).unwrap_or(0.0));
+                let ellipse = Ellipse { centre: place, a: options.body.0, b: options.body.1, theta };
+                let (depth, nearest) = crowd.look(&ellipse);
+                Landing { ellipse, nearest, excess: (depth - target.depth_m).max(0.0) }
+            };
+            let Landing { ellipse, nearest, excess } = Landing::with_room(throw);
             let error = match &trial {
                 Some(trial) if trial.len() > 0 => trial.error_with(&ellipse),
                 // Without a curve the farthest from the others is the best.
                 _ => -nearest,
             };
-            Dart { ellipse, excess: (depth - target.depth_m).max(0.0), error }
+            Dart { ellipse, excess, error }
         };
         let mut best: Option<Dart> = None;
         let mut accepted = false;
@@ -134,12 +168,12 @@ impl<'a> Sampler<'a> {
         Self { map, columns, cells }
     }
 
-    /// A place by the density, evenly within its cell, where the site admits an animal.
-    fn draw(&self, random: &mut Stream, site: Site<'_>) -> Point {
+    /// A place by the density, evenly within its cell, where the site `admits` an animal.
+    fn draw(&self, random: &mut Stream, admits: impl Fn(Point) -> bool) -> Point {
         let mut place = Point::default();
         for _ in 0..RETHROWS {
             place = self.throw(random);
-            if site.admits(place) {
+            if admits(place) {
                 return place;
             }
         }

@@ -160,23 +160,51 @@ fn mesh(centres: &[Point]) -> Option<Mesh> {
     Mesh::bulk_load_stable(vertices).ok().filter(|mesh| mesh.num_inner_faces() > 0)
 }
 
+/// Triangles with an angle above this, 150 degrees, are slivers (ours): along the rim they close
+/// the hull over bays, so that an animal there would seem to have its full ring of hardly any area.
+const SLIVER_RAD: f64 = 2.618;
+
 /// The density at each animal: the inverse of the area of its ring of triangles (T 4.2.3), times
 /// three, for each triangle is in the rings of three animals. A vertex of the hull has a ring on
 /// one side only: its area is scaled to the full turn (ours, so that rims are not twice as dense).
 fn densities(mesh: &Mesh, count: usize) -> Vec<f64> {
-    let (mut areas, mut angles) = (vec![0.0; count], vec![0.0; count]);
+    let mut all = vec![Ring::default(); count];
+    let mut plump = all.clone();
     for face in mesh.inner_faces() {
         let corners = face.vertices().map(|v| (v.data().place, v.data().index));
-        for k in 0..3 {
-            let (p, index) = corners[k];
-            let (u, v) = (corners[(k + 1) % 3].0 - p, corners[(k + 2) % 3].0 - p);
-            areas[index] += u.cross(v).abs() / 2.0;
-            angles[index] += libm::atan2(u.cross(v).abs(), u.dot(v));
+        let seen = [0, 1, 2].map(|k| {
+            let (u, v) = (corners[(k + 1) % 3].0 - corners[k].0, corners[(k + 2) % 3].0 - corners[k].0);
+            Ring { area: u.cross(v).abs() / 2.0, angle: libm::atan2(u.cross(v).abs(), u.dot(v)) }
+        });
+        let is_sliver = seen.iter().any(|ring| ring.angle > SLIVER_RAD);
+        for ((_, index), part) in corners.into_iter().zip(seen) {
+            all[index].add(part);
+            if !is_sliver {
+                plump[index].add(part);
+            }
         }
     }
-    // An animal at the very place of another has no triangles of its own.
-    let density = |(area, angle): (&f64, &f64)| if *area > 0.0 { 3.0 * angle / (TAU * area) } else { 0.0 };
-    areas.iter().zip(&angles).map(density).collect()
+    // Who stands among slivers only has no better ring.
+    plump.iter().zip(&all).map(|(plump, all)| if plump.area > 0.0 { plump.density() } else { all.density() }).collect()
+}
+
+/// What the triangles around an animal cover.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ring {
+    area: f64,
+    angle: f64,
+}
+
+impl Ring {
+    fn add(&mut self, part: Self) {
+        self.area += part.area;
+        self.angle += part.angle;
+    }
+
+    /// An animal at the very place of another has no triangles of its own.
+    fn density(&self) -> f64 {
+        if self.area > 0.0 { 3.0 * self.angle / (TAU * self.area) } else { 0.0 }
+    }
 }
 
 fn barycentric([a, b, c]: [(Point, usize); 3], p: Point) -> [(usize, f64); 3] {

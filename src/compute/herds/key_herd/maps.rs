@@ -61,7 +61,7 @@ pub(super) fn on_ground(
             let p = grid.centre(cell);
             let (heading, density) = exemplar.at(placement.to_exemplar(p));
             let density = match &options.density {
-                _ if !site.admits(p) => 0.0,
+                _ if !site.admits(p, options.body.1) => 0.0,
                 DensitySource::Painted(map) => f64::from(map.data[cell]).max(0.0),
                 _ if !hull::contains(&corners, p) => 0.0,
                 DensitySource::Even => 1.0,

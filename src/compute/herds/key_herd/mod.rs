@@ -130,7 +130,7 @@ pub fn key_herd(
     let to = (options.centre, Point::from_angle(options.direction));
     let (placement, scale) = match options.density {
         DensitySource::Painted(_) => placement::unscaled(&learnt, to, (options.count, exemplar.len()), metres_per_unit),
-        _ => placement::fit(&learnt, site, to, (options.count, metres_per_unit), run)?,
+        _ => placement::fit(&learnt, site, to, (options, metres_per_unit), run)?,
     };
     // 3. The maps on the ground, obstacles masked, edits made.
     let maps = maps::on_ground(&learnt, placement, site, options)?;

@@ -1,6 +1,7 @@
 //! Where a key-herd stands and how large it is: from the exemplar's frame to the ground.
 
 use super::KeyHerdError;
+use super::KeyHerdOptions;
 use super::exemplar::Exemplar;
 use super::hull;
 use crate::compute::geometry::Bounds;
@@ -29,10 +30,11 @@ pub struct Site<'a> {
 }
 
 impl Site<'_> {
-    /// Whether an animal may stand at `p`.
-    pub fn admits(&self, p: Point) -> bool {
+    /// Whether an animal of half this width may stand at `p`: on the ground, and no nearer to an
+    /// obstacle than half its width.
+    pub fn admits(&self, p: Point, half_width_m: f64) -> bool {
         let ground = self.terrain.is_none_or(|t| t.at(p).is_some_and(|z| z.is_finite()));
-        ground && !self.obstacles.hold(p)
+        ground && !self.obstacles.touch(p, half_width_m)
     }
 }
 
@@ -80,11 +82,11 @@ pub(super) fn fit(
     exemplar: &Exemplar,
     site: Site<'_>,
     (to, direction): (Point, Point),
-    (count, metres_per_unit): (usize, f64),
+    (options, metres_per_unit): (&KeyHerdOptions, f64),
     run: &Run,
 ) -> Result<(Placement, f64), KeyHerdError> {
     let (samples, whole) = samples(exemplar);
-    let wanted = count as f64;
+    let (count, wanted) = (options.count, options.count as f64);
     let at = |k: f64| Placement::new(exemplar, (to, direction), k * metres_per_unit);
     let room = |k: f64| -> Result<f64, KeyHerdError> {
         run.check()?;
@@ -92,7 +94,7 @@ pub(super) fn fit(
         let free: Vec<f64> = samples
             .par_iter()
             .with_min_len(256)
-            .map(|(p, weight)| if site.admits(place.to_ground(*p)) { *weight } else { 0.0 })
+            .map(|(p, weight)| if site.admits(place.to_ground(*p), options.body.1) { *weight } else { 0.0 })
             .collect();
         Ok(free.iter().sum::<f64>() * k * k)
     };
