@@ -101,6 +101,15 @@ error_codes! {
     PictureTooLarge = "picture-too-large", 400, "A picture has more pixels than this service accepts.";
     PictureAnimated = "picture-animated", 400, "A moving picture was given where a still one is needed.";
     PictureCmyk = "picture-cmyk", 400, "A picture in printing colours was given; red, green and blue are needed.";
+
+    // Herds.
+    OneKindOfScribble = "one-kind-of-scribble", 400, "Only animals or only ground is marked; both must be.";
+    OutsidePicture = "outside-picture", 400, "A place lies outside the picture.";
+    ContradictingScribbles = "contradicting-scribbles", 400, "The same pixels are marked as animal and as ground.";
+    ColoursAlike = "colours-alike", 400, "What is marked as animal has the colours of what is marked as ground.";
+    NoRegion = "no-region", 400, "Nothing in the picture looks like the marked animals.";
+    UnknownAnimal = "unknown-animal", 400, "A number names no animal that was found.";
+    NotAnEllipse = "not-an-ellipse", 400, "An ellipse has no axes a ≥ b > 0, or is not where it must be.";
 }
 
 impl fmt::Display for ErrorCode {

@@ -18,6 +18,7 @@ pub mod echo;
 pub mod ecosystem;
 pub mod error;
 pub mod execute;
+pub mod herds;
 pub mod job;
 pub mod link;
 pub mod process;

@@ -56,6 +56,9 @@ warning_codes! {
     FirstBand = "FIRST_BAND", "The raster has several bands; the first was read.";
     ImplausibleHeight = "IMPLAUSIBLE_HEIGHT", "Some heights occur nowhere on Earth.";
     CellSizeIgnored = "CELL_SIZE_IGNORED", "The raster says itself how large its cells are; the size given beside it was not used.";
+    // Herds.
+    SuspectAnimals = "SUSPECT_ANIMALS", "Regions of outlying size, proportion or shape may not be one animal each.";
+    SpecksDropped = "SPECKS_DROPPED", "Regions too small to be animals were left out.";
 }
 
 impl fmt::Display for WarningCode {

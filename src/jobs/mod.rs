@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`process`], [`job`], [`context`] | the three traits and types a process is made of |
 //! | [`invalid`], [`schema`] | every fault of a client's input, with its place |
-//! | [`sources`] | what stands behind a reference |
+//! | [`sources`], [`given`], [`csv`] | what stands behind a reference |
 //! | [`artefact`], [`table`] | what a job hands back, and the forms it can be had in |
 //! | [`selection`] | which outputs a client wants |
 //! | [`registry`] | the list of processes |
@@ -17,8 +17,12 @@
 
 pub mod artefact;
 pub mod context;
+pub mod csv;
 pub mod echo;
 pub mod ecosystem;
+pub mod given;
+pub mod herd_extraction;
+mod herds;
 pub mod invalid;
 pub mod job;
 pub mod local;

@@ -11,11 +11,12 @@ use crate::jobs::Sources;
 use crate::jobs::artefact::Kind;
 use crate::jobs::echo::Echo;
 use crate::jobs::ecosystem::Ecosystem;
+use crate::jobs::herd_extraction::HerdExtraction;
 use crate::jobs::schema::InputCheck;
 
 /// Every process of the service, in the order in which they are shown.
 fn all() -> Vec<Box<dyn Process>> {
-    vec![Box::new(Echo), Box::new(Ecosystem)]
+    vec![Box::new(Echo), Box::new(Ecosystem), Box::new(HerdExtraction)]
 }
 
 /// The processes, each with its description and the check of its inputs made ready.

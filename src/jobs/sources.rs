@@ -11,6 +11,7 @@ use crate::codec::map::Map;
 use crate::jobs::Artefact;
 use crate::jobs::Digest;
 use crate::jobs::Invalid;
+use crate::jobs::csv;
 
 /// Gives what stands behind references. Synchronous; not for async threads.
 pub trait Sources: Sync {
@@ -76,7 +77,7 @@ impl Source {
     }
 
     /// The content as a JSON value: a document, a table as a list of records, or bytes that are
-    /// JSON.
+    /// JSON or a CSV table.
     ///
     /// # Errors
     /// When it is none of these.
@@ -85,6 +86,7 @@ impl Source {
             Content::Artefact(Artefact::Json(value)) => Ok(value.clone()),
             Content::Artefact(Artefact::Table(table)) => Ok(table.records()),
             Content::Artefact(other) => Err(not_json(other.kind().name())),
+            Content::Encoded { bytes, media_type } if media_type.contains("csv") => csv::records(bytes),
             Content::Encoded { bytes, media_type } => serde_json::from_slice(bytes).map_err(|_| not_json(media_type)),
         }
     }

@@ -38,7 +38,11 @@ const TEXTURE: Purpose = Purpose::new("test.drawn.texture");
 
 impl Scene {
     pub fn draw(&self) -> Drawn {
-        let animals = self.place();
+        self.with(self.place())
+    }
+
+    /// The scene with given animals.
+    pub fn with(&self, animals: Vec<Ellipse>) -> Drawn {
         let mut rgb = vec![0u8; 3 * self.width * self.height];
         for row in 0..self.height {
             for column in 0..self.width {

@@ -6,6 +6,7 @@ mod flora;
 mod flora_study;
 mod herds_animation;
 mod herds_drawn;
+pub mod herds_example;
 mod herds_extraction;
 mod herds_key_herd;
 mod herds_photo;

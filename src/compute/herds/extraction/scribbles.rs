@@ -35,6 +35,17 @@ pub enum Scribbles {
     Labels(Vec<Mark>),
 }
 
+impl Scribbles {
+    /// Whether they can be learnt from over a picture of the size of `grid`.
+    ///
+    /// # Errors
+    /// Points outside the picture, contradicting marks, only one kind of mark, a label image of
+    /// another size, or a stop.
+    pub fn check(&self, grid: Grid, run: &Run) -> Result<(), ExtractionError> {
+        rasterise(self, grid, run).map(drop)
+    }
+}
+
 /// A mark per pixel.
 ///
 /// # Errors
