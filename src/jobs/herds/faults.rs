@@ -64,7 +64,7 @@ pub fn extraction(error: &ExtractionError) -> Option<Invalid> {
             "axes a ≥ b > 0 and a centre in the picture".into(),
             format!("another in ellipse {index}, added ones first"),
         ),
-        E::Classifier { .. } | E::Stopped(_) => return None,
+        E::Stopped(_) => return None,
     };
     Some(Invalid::new(pointer, code, expected, found))
 }
