@@ -14,64 +14,32 @@ use crate::jobs::sources::SourceError;
 /// # Errors
 /// When the bytes are no UTF-8, there is no header, or a row has another number of cells.
 pub fn records(bytes: &[u8]) -> Result<Value, SourceError> {
-    let malformed = |found: String| SourceError::new(ErrorCode::Malformed, "a CSV table with a header", found);
-    let text = std::str::from_utf8(bytes).map_err(|error| malformed(error.to_string()))?;
-    let mut rows = rows(text.trim_start_matches('\u{feff}')).map_err(|found| malformed(found.to_owned()))?.into_iter();
-    let header = rows.next().ok_or_else(|| malformed("an empty text".to_owned()))?;
-    let record = |(line, cells): (usize, Vec<String>)| {
-        if cells.len() != header.len() {
-            return Err(malformed(format!("{} cells in row {line}, {} in the header", cells.len(), header.len())));
-        }
-        let fields = header.iter().cloned().zip(cells).filter(|(_, cell)| !cell.is_empty());
-        Ok(Value::Object(fields.map(|(name, cell)| (name, value(cell))).collect::<Map<_, _>>()))
-    };
-    (1..).zip(rows).map(record).collect()
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
+    let header = reader.headers().map_err(|error| malformed(error.to_string()))?.clone();
+    if header.is_empty() {
+        return Err(malformed("an empty text".to_owned()));
+    }
+    reader.into_records().map(|row| Ok(record(&header, &row.map_err(|error| malformed(error.to_string()))?))).collect()
 }
 
-fn value(cell: String) -> Value {
+fn malformed(found: String) -> SourceError {
+    SourceError::new(ErrorCode::Malformed, "a CSV table with a header", found)
+}
+
+fn record(header: &csv::StringRecord, row: &csv::StringRecord) -> Value {
+    let fields = header.iter().zip(row).filter(|(_, cell)| !cell.is_empty());
+    Value::Object(fields.map(|(name, cell)| (name.to_owned(), value(cell))).collect::<Map<_, _>>())
+}
+
+fn value(cell: &str) -> Value {
     let whole = cell.parse::<i64>().ok().map(Number::from);
     let number = || cell.parse::<f64>().ok().and_then(Number::from_f64);
-    match (cell.as_str(), whole.or_else(number)) {
+    match (cell, whole.or_else(number)) {
         ("true", _) => Value::Bool(true),
         ("false", _) => Value::Bool(false),
         (_, Some(number)) => Value::Number(number),
-        _ => Value::String(cell),
+        _ => Value::from(cell),
     }
-}
-
-/// The cells of every line that is not empty.
-fn rows(text: &str) -> Result<Vec<Vec<String>>, &'static str> {
-    let (mut rows, mut row, mut cell) = (Vec::new(), Vec::new(), String::new());
-    let mut letters = text.chars().peekable();
-    let mut quoted = false;
-    while let Some(letter) = letters.next() {
-        match (letter, quoted) {
-            ('"', true) if letters.peek() == Some(&'"') => cell.extend(letters.next()),
-            ('"', true) => quoted = false,
-            (_, true) => cell.push(letter),
-            ('"', false) if cell.trim().is_empty() => {
-                cell.clear();
-                quoted = true;
-            }
-            (',', false) => row.push(trimmed(&mut cell)),
-            ('\n', false) => {
-                row.push(trimmed(&mut cell));
-                rows.push(std::mem::take(&mut row));
-            }
-            (_, false) => cell.push(letter),
-        }
-    }
-    if quoted {
-        return Err("a quotation that does not end");
-    }
-    row.push(trimmed(&mut cell));
-    rows.push(row);
-    rows.retain(|row| row.iter().any(|cell| !cell.is_empty()));
-    Ok(rows)
-}
-
-fn trimmed(cell: &mut String) -> String {
-    std::mem::take(cell).trim().to_owned()
 }
 
 #[cfg(test)]
@@ -97,10 +65,10 @@ mod tests {
     }
 
     #[test]
-    fn uneven_rows_and_open_quotations_are_named() {
+    fn what_is_no_table_is_refused_with_its_reason() {
         let found = |text: &str| records(text.as_bytes()).unwrap_err().found;
-        assert_eq!(found("a,b\n1,2\n3\n"), "1 cells in row 2, 2 in the header");
-        assert_eq!(found("a,b\n\"1,2\n"), "a quotation that does not end");
+        assert!(found("a,b\n1,2\n3\n").contains("line: 3"), "{}", found("a,b\n1,2\n3\n"));
+        assert!(found("a,b\n\"1,2\n").contains("1 fields"), "{}", found("a,b\n\"1,2\n"));
         assert_eq!(found(""), "an empty text");
         assert!(records(&[0xff, 0xfe]).is_err());
     }
