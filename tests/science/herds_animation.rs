@@ -10,6 +10,7 @@ use biotope::compute::herds::animation::AnimationError;
 use biotope::compute::herds::animation::AnimationOptions;
 use biotope::compute::herds::animation::KeyFrame;
 use biotope::compute::herds::animation::KeyPose;
+use biotope::compute::herds::animation::Why;
 use biotope::compute::herds::animation::animate;
 use biotope::compute::herds::contact;
 use biotope::compute::random::Purpose;
@@ -70,6 +71,8 @@ fn keeps_the_laws(animation: &Animation, options: &AnimationOptions, obstacles: 
             let moved = is.place - was.place;
             let speed = moved.norm() / dt;
             assert!(speed <= gait.max_speed_m_per_s * (1.0 + 1e-9), "step {step} animal {i}: {speed} m/s");
+            let along = moved.norm().hypot(is.z - was.z) / dt;
+            assert!(along <= gait.max_speed_m_per_s * (1.0 + 1e-9), "step {step} animal {i}: {along} m/s uphill");
             let turn = wrapped(is.heading - was.heading).abs() / dt;
             assert!(turn <= gait.max_turn_rad_per_s * (1.0 + 1e-9), "step {step} animal {i}: {turn} rad/s");
             if moved.norm() > 1e-6 {
@@ -177,6 +180,63 @@ fn overlaps_of_key_herds_are_allowed_but_none_deeper() {
 }
 
 #[test]
+fn what_one_pair_of_key_herds_holds_is_not_allowed_between_the_next() {
+    let (flat, none, options) = (hills(0.0), Obstacles::default(), AnimationOptions::default());
+    let dense = herd(60, Point::new(120.0, 150.0), (1.9, 0.0), 7);
+    let held = contact::deepest(&dense);
+    let loose = |x: f64, seed: u64| herd(60, Point::new(x, 150.0), (3.8, 0.0), seed);
+    let frames = [at(0.0, dense), at(60.0, loose(200.0, 21)), at(110.0, loose(280.0, 22))];
+    let animation = walk(&flat, &none, &frames, &options);
+    keeps_the_laws(&animation, &options, &none, held);
+    let tracks = &animation.tracks;
+    let later = tracks.times_s.iter().position(|t| *t >= 60.0 - 1e-9).unwrap();
+    for step in (later..tracks.times_s.len()).step_by(5) {
+        let bodies: Vec<Ellipse> = (0..tracks.animals).map(|i| body(&animation, step, i)).collect();
+        assert!(contact::deepest(&bodies) <= 0.1 * 2.0 * BODY.1 + 1e-4, "step {step}: {}", contact::deepest(&bodies));
+    }
+}
+
+#[test]
+fn who_is_late_is_told_why() {
+    let (none, options) = (Obstacles::default(), AnimationOptions::default());
+    let why = |terrain: &Raster<f32>, obstacles: &Obstacles, frames: &[KeyFrame]| -> Vec<Why> {
+        let animation = walk(terrain, obstacles, frames, &options);
+        keeps_the_laws(&animation, &options, obstacles, 0.0);
+        animation.report.arrivals[0].late.iter().map(|late| late.why).collect()
+    };
+    let most = |found: &[Why], reason: Why| found.iter().filter(|w| **w == reason).count() * 2 > found.len();
+    let from_to = |seconds: f64| {
+        let start = at(0.0, herd(12, Point::new(100.0, 300.0), (4.0, 0.0), 31));
+        [start, at(seconds, herd(12, Point::new(280.0, 300.0), (4.0, 0.0), 32))]
+    };
+    let far = why(&hills(0.0), &none, &from_to(40.0));
+    assert!(far.len() == 12 && most(&far, Why::Distance), "{far:?}");
+    let steep = why(&hills(0.6), &none, &from_to(65.0));
+    assert!(!steep.is_empty() && most(&steep, Why::Slope), "{steep:?}");
+}
+
+#[test]
+fn holes_in_the_terrain_are_walked_round_whatever_the_mask() {
+    let mut holed = hills(0.05);
+    for i in 0..holed.data.len() {
+        let p = holed.grid.centre(i);
+        if (p.x - 200.0).abs() < 12.0 && p.y > 120.0 {
+            holed.data[i] = f32::NAN;
+        }
+    }
+    let pool = Raster { grid: Grid::new(600, 600, 1.0), data: vec![0u8; 360_000] };
+    let obstacles = Obstacles { mask: Some(pool), ..Obstacles::default() };
+    let frames = [
+        at(0.0, herd(9, Point::new(150.0, 160.0), (4.0, 0.0), 33)),
+        at(120.0, herd(9, Point::new(260.0, 160.0), (4.0, 0.0), 34)),
+    ];
+    let animation = walk(&holed, &obstacles, &frames, &AnimationOptions::default());
+    keeps_the_laws(&animation, &AnimationOptions::default(), &obstacles, 0.0);
+    assert!(animation.tracks.poses.iter().all(|p| holed.at(p.place).is_some_and(|z| !z.is_nan())));
+    assert!(animation.report.arrivals[0].on_place > 0.9, "{:?}", animation.report.arrivals[0]);
+}
+
+#[test]
 fn a_herd_of_one_walks() {
     let (terrain, none, options) = (hills(0.1), Obstacles::default(), AnimationOptions::default());
     let one = |x: f64, y: f64| vec![Ellipse { centre: Point::new(x, y), a: BODY.0, b: BODY.1, theta: 0.4 }];
@@ -200,6 +260,7 @@ fn a_key_frame_out_of_reach_says_how_long_it_takes() {
     let animation = walk(&flat, &none, &frames, &options);
     let arrival = &animation.report.arrivals[0];
     assert!(arrival.is_unreachable(20) && arrival.late.len() == 20);
+    assert!(arrival.late.iter().all(|late| late.why == Why::Distance && late.distance_m > BODY.0));
     assert!((98.0..115.0).contains(&arrival.needed_s), "{}", arrival.needed_s);
     keeps_the_laws(&animation, &options, &none, 0.0);
 }
@@ -234,6 +295,8 @@ fn key_frames_that_make_no_path_are_refused_with_their_reason() {
         refuse(&[start(), via(9.0, 205.0, 200.0)]),
         AnimationError::InObstacle { index: 1, animal: None, .. }
     ));
+    let beside = at(9.0, herd(4, Point::new(212.0, 200.0), (8.0, 0.0), 14));
+    assert!(matches!(refuse(&[start(), beside]), AnimationError::InObstacle { index: 1, animal: Some(_), .. }));
     let more = at(9.0, herd(5, Point::new(150.0, 100.0), (4.0, 0.0), 14));
     assert!(matches!(refuse(&[start(), more]), AnimationError::NumbersDiffer { index: 1, expected: 4, found: 5 }));
     let wall = Obstacles {

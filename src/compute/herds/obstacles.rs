@@ -106,12 +106,17 @@ pub struct Clearance {
 impl Clearance {
     /// The clearance over `grid`; accurate to about a cell, never more than is there.
     pub fn new(obstacles: &Obstacles, grid: Grid, run: &Run) -> Result<Self, Stopped> {
-        let closed = obstacles.cover(grid, run)?;
+        Self::around(&obstacles.cover(grid, run)?, run)
+    }
+
+    /// The clearance of the cells that are not 0 in `closed`.
+    pub fn around(closed: &Raster<u8>, run: &Run) -> Result<Self, Stopped> {
+        let grid = closed.grid;
         if closed.data.iter().all(|c| *c == 0) {
             return Ok(Self { field: Raster::filled(grid, f32::MAX), open: true });
         }
         let outside = distance_to_zero(&closed.map(|c| 1 - c), run)?;
-        let inside = distance_to_zero(&closed, run)?;
+        let inside = distance_to_zero(closed, run)?;
         // Centres are a cell apart where the rim lies half a cell from either.
         let signed = |(o, i): (&f32, &f32)| (if *o > 0.0 { o - 0.5 } else { 0.5 - i }) * grid.cell_m as f32;
         let data = outside.data.iter().zip(&inside.data).map(signed).collect();

@@ -24,6 +24,10 @@ const VIEW_STEPS: i32 = 6;
 /// An animal on its way round goes at least at this share of what it can (ours).
 const DETOUR_PACE: f64 = 0.6;
 
+/// A step up or down is shortened at most this often until it keeps V_max; on ground that is not
+/// a cliff twice is enough.
+const CUTS: usize = 8;
+
 /// A guide slower than this share of V_max stands still (ours).
 const STILL: f64 = 0.05;
 
@@ -205,15 +209,35 @@ impl Chooser<'_> {
     /// The step as far as the ground admits it: whole, half, a quarter, or only the turn; and
     /// whether it was whole.
     fn admitted(&self, from: &Mover, to: Mover, (half_width, step_s): (f64, f64)) -> (Mover, bool) {
+        let to = self.within_max_speed(from, to, step_s);
         for share in [1.0, 0.5, 0.25] {
-            let speed = to.speed * share;
-            let place = from.place + Point::from_angle(to.course) * (speed * step_s);
-            if speed == 0.0 || self.ground.admits(place, from.place, half_width) {
-                return (Mover { place, speed, ..to }, share == 1.0);
+            let shorter = ahead(from, Mover { speed: to.speed * share, ..to }, step_s);
+            if shorter.speed == 0.0 || self.ground.admits(shorter.place, from.place, half_width) {
+                return (shorter, share == 1.0);
             }
         }
         (Mover { place: from.place, speed: 0.0, course: to.heading, ..to }, false)
     }
+
+    /// The step with its speed cut until V_max holds along the ground, rise and all: the slope was
+    /// judged towards the aim, and forces may have led elsewhere.
+    fn within_max_speed(&self, from: &Mover, to: Mover, step_s: f64) -> Mover {
+        let most = self.options.gait.max_speed_m_per_s * step_s;
+        let mut cut = to;
+        for _ in 0..CUTS {
+            let length = self.ground.distance(from.place, cut.place);
+            if length <= most {
+                return cut;
+            }
+            cut = ahead(from, Mover { speed: cut.speed * (most / length) * (1.0 - 1e-9), ..cut }, step_s);
+        }
+        ahead(from, Mover { speed: 0.0, course: to.heading, ..to }, step_s)
+    }
+}
+
+/// `to` placed where its course and speed lead from `from` within a step.
+fn ahead(from: &Mover, to: Mover, step_s: f64) -> Mover {
+    Mover { place: from.place + Point::from_angle(to.course) * (to.speed * step_s), ..to }
 }
 
 /// What is left of a wish where an obstacle does not admit it: half of it, along the rim and a

@@ -86,7 +86,7 @@ pub(super) fn check(terrain: &Raster<f32>, obstacles: &Obstacles, frames: &[KeyF
         let centre = frame.herd().is_none().then(|| (None, frame.centre()));
         let animals = frame.herd().unwrap_or(&[]).iter().enumerate().map(|(i, e)| (Some(i), e.centre));
         for (animal, place) in centre.into_iter().chain(animals) {
-            let height = place.is_finite().then(|| terrain.sample(place)).flatten();
+            let height = place.is_finite().then(|| terrain.at(place)).flatten();
             if height.is_none_or(|z| !z.is_finite()) {
                 return Err(AnimationError::OffTerrain { index, place });
             }

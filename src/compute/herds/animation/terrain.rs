@@ -33,7 +33,12 @@ impl<'a> Ground<'a> {
         let bounds = Bounds::of(places).unwrap_or(Bounds::new(Point::default(), Point::default()));
         let margin = (0.5 * bounds.width().max(bounds.height())).max(30.0 * frames::width(frames).least_m).max(20.0);
         let grid = working_grid(bounds.grown(margin), terrain.grid, frames::width(frames).least_m);
-        let clearance = Clearance::new(&with_holes(terrain, obstacles), grid, run)?;
+        let mut closed = obstacles.cover(grid, run)?;
+        // Holes in the terrain are obstacles too.
+        for (cell, closed) in closed.data.iter_mut().enumerate() {
+            *closed |= u8::from(terrain.at(grid.centre(cell)).is_none_or(f32::is_nan));
+        }
+        let clearance = Clearance::around(&closed, run)?;
         Ok(Self { terrain, obstacles, clearance, probe_m: (0.5 * terrain.grid.cell_m).min(1.0) })
     }
 
@@ -60,6 +65,11 @@ impl<'a> Ground<'a> {
         self.terrain.sample(p).unwrap_or(0.0)
     }
 
+    /// Metres from `p` to `q` along the ground, if it rises evenly.
+    pub(super) fn distance(&self, p: Point, q: Point) -> f64 {
+        p.distance(q).hypot(self.height(q) - self.height(p))
+    }
+
     /// Rise over run at `p` along the unit vector `u`.
     pub(super) fn slope(&self, p: Point, u: Point) -> f64 {
         let ahead = self.terrain.sample(p + u * self.probe_m).unwrap_or_else(|| self.height(p));
@@ -76,22 +86,4 @@ fn working_grid(wanted: Bounds, terrain: Grid, body: f64) -> Grid {
     // Whole cells only, so that the map never reaches past the terrain.
     let cells = |extent: f64| (extent / cell_m).floor().max(1.0) as usize;
     Grid { width: cells(width), height: cells(height), cell_m: cell_m.min(width).min(height), origin: min }
-}
-
-/// Holes in the terrain are obstacles too.
-fn with_holes(terrain: &Raster<f32>, obstacles: &Obstacles) -> Obstacles {
-    if !terrain.data.iter().any(|z| z.is_nan()) {
-        return obstacles.clone();
-    }
-    let closed = |cell: usize| {
-        let masked = obstacles.mask.as_ref().and_then(|mask| mask.at(terrain.grid.centre(cell)));
-        u8::from(terrain.data[cell].is_nan() || masked.is_some_and(|m| m != 0))
-    };
-    match &obstacles.mask {
-        Some(mask) if mask.grid != terrain.grid => obstacles.clone(),
-        _ => {
-            let data = (0..terrain.grid.len()).map(closed).collect();
-            Obstacles { mask: Some(Raster { grid: terrain.grid, data }), ..obstacles.clone() }
-        }
-    }
 }
