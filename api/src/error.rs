@@ -98,6 +98,15 @@ error_codes! {
     NoData = "no-data", 400, "No cell of a raster has a value.";
     InfiniteValues = "infinite-values", 400, "A raster holds infinite values.";
     GeoreferenceUnusable = "georeference-unusable", 400, "The place or the coordinate system of a raster cannot be worked with.";
+    // Arrangements.
+    DuplicateElements = "duplicate-elements", 400, "Two elements of one class have the same place and radius.";
+    OutsideDomain = "outside-domain", 400, "An element lies outside its domain.";
+    NoBorder = "no-border", 400, "No border can be learnt from elements on one line or at fewer than three places.";
+    EmptyClass = "empty-class", 400, "A class is named that has no elements.";
+    DependencyCycle = "dependency-cycle", 400, "Classes depend on each other in a circle.";
+    ZeroArea = "zero-area", 400, "A domain has no area, or nothing of it is left.";
+    SelfCrossing = "self-crossing", 400, "The rings of a polygon cross themselves or each other.";
+    CannotFit = "cannot-fit", 400, "More disks are asked for than can lie in the target.";
     PictureTooLarge = "picture-too-large", 400, "A picture has more pixels than this service accepts.";
     PictureAnimated = "picture-animated", 400, "A moving picture was given where a still one is needed.";
     PictureCmyk = "picture-cmyk", 400, "A picture in printing colours was given; red, green and blue are needed.";

@@ -21,6 +21,7 @@ pub mod execute;
 pub mod herds;
 pub mod job;
 pub mod link;
+pub mod points;
 pub mod process;
 pub mod reference;
 pub mod warning;

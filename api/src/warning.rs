@@ -59,6 +59,11 @@ warning_codes! {
     // Herds.
     SuspectAnimals = "SUSPECT_ANIMALS", "Regions of outlying size, proportion or shape may not be one animal each.";
     SpecksDropped = "SPECKS_DROPPED", "Regions too small to be animals were left out.";
+    // Arrangements.
+    SharedPlaces = "SHARED_PLACES", "Elements of different classes or sizes share a place.";
+    CountNotReached = "COUNT_NOT_REACHED", "Not all elements asked for found a place.";
+    OutsideValidity = "OUTSIDE_VALIDITY", "Some elements have surroundings that none of the exemplar's has.";
+    NoHoles = "NO_HOLES", "The pattern has no hole in its domain.";
 }
 
 impl fmt::Display for WarningCode {

@@ -18,6 +18,10 @@
 pub mod artefact;
 pub mod context;
 pub mod csv;
+pub mod disk_synthesis;
+pub mod distribution_analysis;
+pub mod distribution_decomposition;
+pub mod distribution_inpainting;
 pub mod echo;
 pub mod ecosystem;
 pub mod given;
@@ -27,6 +31,7 @@ pub mod invalid;
 pub mod job;
 pub mod local;
 mod places;
+pub mod points;
 pub mod process;
 pub mod progress;
 pub mod queue;

@@ -9,6 +9,10 @@ use crate::jobs::Output;
 use crate::jobs::Process;
 use crate::jobs::Sources;
 use crate::jobs::artefact::Kind;
+use crate::jobs::disk_synthesis::DiskSynthesis;
+use crate::jobs::distribution_analysis::DistributionAnalysis;
+use crate::jobs::distribution_decomposition::DistributionDecomposition;
+use crate::jobs::distribution_inpainting::DistributionInpainting;
 use crate::jobs::echo::Echo;
 use crate::jobs::ecosystem::Ecosystem;
 use crate::jobs::herd_extraction::HerdExtraction;
@@ -16,7 +20,15 @@ use crate::jobs::schema::InputCheck;
 
 /// Every process of the service, in the order in which they are shown.
 fn all() -> Vec<Box<dyn Process>> {
-    vec![Box::new(Echo), Box::new(Ecosystem), Box::new(HerdExtraction)]
+    vec![
+        Box::new(Echo),
+        Box::new(DistributionAnalysis),
+        Box::new(DiskSynthesis),
+        Box::new(DistributionInpainting),
+        Box::new(DistributionDecomposition),
+        Box::new(Ecosystem),
+        Box::new(HerdExtraction),
+    ]
 }
 
 /// The processes, each with its description and the check of its inputs made ready.

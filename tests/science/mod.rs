@@ -1,6 +1,8 @@
 //! What must be true: closed forms, invariants, conserved sums, outside checks.
 
 mod distributions_analysis;
+pub mod distributions_exemplars;
+mod distributions_synthesis;
 mod fauna;
 mod flora;
 mod flora_study;

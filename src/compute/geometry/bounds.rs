@@ -46,6 +46,12 @@ impl Bounds {
         (self.min.x..=self.max.x).contains(&p.x) && (self.min.y..=self.max.y).contains(&p.y)
     }
 
+    /// The part of the rectangle within `other`; the nearest edge of `other` when they are apart.
+    pub fn within(&self, other: Self) -> Self {
+        let clamp = |p: Point| Point::new(p.x.clamp(other.min.x, other.max.x), p.y.clamp(other.min.y, other.max.y));
+        Self::new(clamp(self.min), clamp(self.max))
+    }
+
     /// The rectangle grown by `margin` on every side.
     pub fn grown(&self, margin: f64) -> Self {
         let m = Point::new(margin, margin);

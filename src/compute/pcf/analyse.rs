@@ -1,3 +1,5 @@
+use crate::compute::geometry::CellGrid;
+use crate::compute::geometry::Point;
 use crate::compute::geometry::Region;
 use crate::compute::pcf::Axis;
 use crate::compute::pcf::Body;
@@ -49,6 +51,11 @@ pub struct ClassSummary {
     pub count: usize,
     /// Their radii in metres, in the order of the elements.
     pub radii: Vec<f64>,
+    /// The smallest distance between two of their centres, in metres; 0 when no
+    /// two are nearer than twice r_max.
+    pub closest: f64,
+    /// Whether any two of them overlap.
+    pub overlaps: bool,
     /// The maximal spacing r_max of that many elements in the domain, in metres (T eq. 3.1).
     pub r_max: f64,
 }
@@ -103,13 +110,38 @@ pub fn analyse(
     Ok(Analysis { metric: options.metric, area, classes, dependencies: dependencies.clone(), curves })
 }
 
-fn summaries(elements: &[Element], graph: &Dependencies, area: f64) -> Result<Vec<ClassSummary>, PcfError> {
+/// What is known of each class before any pair is looked at.
+///
+/// # Errors
+/// [`PcfError::EmptyClass`] for a class of `graph` without elements.
+pub fn summaries(elements: &[Element], graph: &Dependencies, area: f64) -> Result<Vec<ClassSummary>, PcfError> {
     let summary = |class: usize| {
-        let radii: Vec<f64> = elements.iter().filter(|e| e.class == class).map(|e| e.radius).collect();
-        let count = radii.len();
-        (count > 0).then(|| ClassSummary { count, radii, r_max: maximal_spacing(area, count) })
+        let members: Vec<Element> = elements.iter().filter(|e| e.class == class).copied().collect();
+        (!members.is_empty()).then(|| ClassSummary::of(&members, area)).ok_or(PcfError::EmptyClass { class })
     };
-    (0..graph.order().len()).map(|class| summary(class).ok_or(PcfError::EmptyClass { class })).collect()
+    (0..graph.order().len()).map(summary).collect()
+}
+
+impl ClassSummary {
+    fn of(members: &[Element], area: f64) -> Self {
+        let radii: Vec<f64> = members.iter().map(|e| e.radius).collect();
+        let r_max = maximal_spacing(area, members.len());
+        let centres: Vec<Point> = members.iter().map(|e| e.centre).collect();
+        let grid = CellGrid::new(&centres, r_max);
+        let largest = radii.iter().copied().fold(0.0, f64::max);
+        let (mut closest, mut overlaps) = (f64::INFINITY, false);
+        for (i, e) in members.iter().enumerate() {
+            grid.for_each_near(e.centre, (2.0 * r_max).max(e.radius + largest), |j| {
+                let distance = e.centre.distance(centres[j]);
+                if j != i {
+                    closest = closest.min(distance);
+                    overlaps |= distance < e.radius + radii[j];
+                }
+            });
+        }
+        let closest = if closest.is_finite() { closest } else { 0.0 };
+        Self { count: members.len(), radii, closest, overlaps, r_max }
+    }
 }
 
 /// The bodies of one class in `unit` metres.

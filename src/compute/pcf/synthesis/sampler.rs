@@ -1,0 +1,170 @@
+use super::intensity::Intensity;
+use crate::compute::geometry::Bounds;
+use crate::compute::geometry::Point;
+use crate::compute::geometry::Region;
+use crate::compute::random::Stream;
+use rayon::prelude::*;
+
+/// Tries to hit the region inside one cell before the draw counts as failed.
+const TRIES: usize = 32;
+
+/// Side of a cell of the grid search, in r_max.
+const CELL_IN_R_MAX: f64 = 0.5;
+
+/// The most cells a room is cut into.
+const MOST_CELLS: f64 = 2e6;
+
+/// Points on a side of the raster that measures how much of a border cell lies inside.
+const SUBSAMPLES: usize = 4;
+
+/// Where new elements may lie: the room cut into square cells, grouped in square blocks.
+#[derive(Debug)]
+pub(super) struct Sampler<'a> {
+    room: &'a Region,
+    intensity: Intensity<'a>,
+    side: f64,
+    block_side: f64,
+    /// Blocks with room in them, in rows from the south-west.
+    pub(super) blocks: Vec<Block>,
+}
+
+/// A square of the room that is filled at one time.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    /// Colour, 0 to 3: blocks of one colour do not touch.
+    pub(super) colour: usize,
+    /// ∫ density over the block's room, in m².
+    pub(super) mass: f64,
+    cells: Vec<Cell>,
+}
+
+/// A cell of the grid search.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cell {
+    corner: Point,
+    is_whole: bool,
+    highest: f64,
+    /// ∫ density over the cell, summed over the block's cells up to this one.
+    cumulative: f64,
+}
+
+impl<'a> Sampler<'a> {
+    /// Cuts `room` into cells of half an r_max (`unit`), finer in a narrow room, and blocks of
+    /// `block_side` metres; the grid of blocks begins `shift` of a block before the room.
+    pub(super) fn new(room: &'a Region, intensity: Intensity<'a>, (unit, block_side, shift): (f64, f64, f64)) -> Self {
+        let narrow = room.area() / room.segments().iter().map(|s| s.from.distance(s.to)).sum::<f64>();
+        let side = (unit * CELL_IN_R_MAX).min(narrow).max((room.bounds().area() / MOST_CELLS).sqrt());
+        let per_block = ((block_side / side).round() as usize).max(1);
+        let before = (shift * per_block as f64).round() * side;
+        let bounds = Bounds::new(room.bounds().min - Point::new(before, before), room.bounds().max);
+        let (columns, rows) = ((bounds.width() / side) as usize + 1, (bounds.height() / side) as usize + 1);
+        let (block_columns, block_rows) = (columns.div_ceil(per_block), rows.div_ceil(per_block));
+        let whole = block_columns * block_rows == 1;
+        let block_side = if whole { f64::INFINITY } else { per_block as f64 * side };
+        let mut sampler = Self { room, intensity, side, block_side, blocks: Vec::new() };
+        let block = |b: usize| {
+            let (bx, by) = (b % block_columns, b / block_columns);
+            let mut cells = Vec::new();
+            for row in by * per_block..((by + 1) * per_block).min(rows) {
+                for column in bx * per_block..((bx + 1) * per_block).min(columns) {
+                    let corner = bounds.min + Point::new(column as f64, row as f64) * side;
+                    cells.extend(sampler.cell(corner));
+                }
+            }
+            let mut mass = 0.0;
+            for (cell, own) in &mut cells {
+                mass += *own;
+                cell.cumulative = mass;
+            }
+            let cells: Vec<Cell> = cells.into_iter().map(|(cell, _)| cell).collect();
+            Block { colour: bx % 2 + 2 * (by % 2), mass, cells }
+        };
+        let blocks: Vec<Block> = (0..block_columns * block_rows).into_par_iter().map(block).collect();
+        sampler.blocks = blocks.into_iter().filter(|b| b.mass > 0.0).collect();
+        sampler
+    }
+
+    /// The block that `p` lies in; the nearest block's number when it lies in none.
+    pub(super) fn block_of(&self, p: Point) -> usize {
+        let far =
+            |b: &usize| self.block_bounds(&self.blocks[*b]).map_or(f64::INFINITY, |bounds| distance_sq(&bounds, p));
+        (0..self.blocks.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0)
+    }
+
+    /// Metres on a side of a block; infinite when one block is all of the room.
+    pub(super) fn block_side(&self) -> f64 {
+        self.block_side
+    }
+
+    /// ∫ density over the room.
+    pub(super) fn mass(&self) -> f64 {
+        self.blocks.iter().map(|b| b.mass).sum()
+    }
+
+    /// The cell at `corner` and its ∫ density, if any of it is in the room.
+    fn cell(&self, corner: Point) -> Option<(Cell, f64)> {
+        let centre = corner + Point::new(0.5, 0.5) * self.side;
+        let half_diagonal = self.side * std::f64::consts::FRAC_1_SQRT_2;
+        let is_whole = self.room.clearance(centre, half_diagonal * 1.01) > half_diagonal;
+        if is_whole && !self.room.contains(centre) {
+            return None;
+        }
+        let n = SUBSAMPLES;
+        let place = |k: usize| Point::new((k % n) as f64 + 0.5, (k / n) as f64 + 0.5) * (self.side / n as f64) + corner;
+        let inside = (0..n * n).map(place).filter(|p| is_whole || self.room.contains(*p));
+        let densities: Vec<f64> = inside.map(|p| self.intensity.at(p)).collect();
+        let highest = densities.iter().copied().fold(0.0, f64::max);
+        let share = densities.iter().sum::<f64>() / (n * n) as f64;
+        let cell = Cell { corner, is_whole, highest, cumulative: 0.0 };
+        (highest > 0.0).then_some((cell, share * self.side * self.side))
+    }
+
+    /// A place in `block` drawn by the density; `None` when the draw missed the room.
+    pub(super) fn draw(&self, block: &Block, random: &mut Stream) -> Option<Point> {
+        let at = random.unit() * block.mass;
+        let cell = block.cells.partition_point(|c| c.cumulative <= at).min(block.cells.len().checked_sub(1)?);
+        self.draw_in(&block.cells[cell], random)
+    }
+
+    /// A place in `cell` drawn by the density.
+    pub(super) fn draw_in(&self, cell: &Cell, random: &mut Stream) -> Option<Point> {
+        let accepts = |p: &Point, coin: f64| {
+            (cell.is_whole || self.room.contains(*p))
+                && (self.intensity.is_flat() || self.intensity.at(*p) > coin * cell.highest)
+        };
+        (0..TRIES).find_map(|_| {
+            let p = cell.corner + Point::new(random.unit(), random.unit()) * self.side;
+            accepts(&p, random.unit()).then_some(p)
+        })
+    }
+
+    /// The smallest rectangle around a block's cells.
+    pub(super) fn block_bounds(&self, block: &Block) -> Option<Bounds> {
+        let bounds = Bounds::of(block.cells.iter().map(|c| c.corner))?;
+        Some(Bounds::new(bounds.min, bounds.max + Point::new(self.side, self.side)))
+    }
+
+    /// Whether an element may lie at `p`.
+    pub(super) fn allows(&self, p: Point) -> bool {
+        self.room.contains(p) && self.intensity.at(p) > 0.0
+    }
+
+    /// Distance of `p` to the border of the room, at most `at_most`; 0 with a painted density,
+    /// which may bar any place.
+    pub(super) fn freedom(&self, p: Point, at_most: f64) -> f64 {
+        if self.intensity.is_flat() { self.room.clearance(p, at_most) } else { 0.0 }
+    }
+}
+
+/// Squared distance of `p` to a rectangle, 0 inside.
+fn distance_sq(bounds: &Bounds, p: Point) -> f64 {
+    let off = |v: f64, low: f64, high: f64| (low - v).max(v - high).max(0.0);
+    Point::new(off(p.x, bounds.min.x, bounds.max.x), off(p.y, bounds.min.y, bounds.max.y)).norm_sq()
+}
+
+impl Block {
+    /// The cells of the grid search.
+    pub(super) fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+}
