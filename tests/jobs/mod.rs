@@ -1,6 +1,7 @@
 //! The queue and the worker: what must hold whatever happens. What each process refuses, and says.
 
 pub mod determinism;
+mod distribution_inputs;
 mod ecosystem_inputs;
 mod ecosystem_outcomes;
 mod memo;

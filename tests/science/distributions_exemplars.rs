@@ -26,7 +26,7 @@ pub struct Exemplar {
 
 impl Exemplar {
     pub fn analysed(&self) -> Analysis {
-        let options = AnalysisOptions::of(self.metric);
+        let options = AnalysisOptions { triplets: true, ..AnalysisOptions::of(self.metric) };
         pcf::analyse(&self.elements, &self.domain, (&self.graph, &options), &Run::silent()).unwrap()
     }
 

@@ -206,28 +206,31 @@ fn a_larger_domain_of_many_blocks_shows_no_seams() {
     let options = SynthesisOptions { block_elements: 300, outlier_rounds: 1, ..SynthesisOptions::default() };
     let result = pcf::synthesise(&analysis, &target, &options, &Run::silent()).unwrap();
     assert_eq!(result.elements.len(), 4800);
-    let seams = 4;
-    let side = 40.0 / f64::from(seams);
-    let to_seam = |e: &Element| {
-        let off = |v: f64| (v / side - (v / side).round()).abs() * side;
-        off(e.centre.x).min(off(e.centre.y))
+    // Blocks are about 10 m wide, the last ones cut off.
+    let to_seam = |p: Point| {
+        let off = |v: f64| (v / 9.93 - (v / 9.93).round()).abs() * 9.93;
+        off(p.x).min(off(p.y))
     };
     let nearest = |e: &Element| {
         let others = result.elements.iter().filter(|o| *o != e);
         others.map(|o| o.centre.distance(e.centre)).fold(f64::INFINITY, f64::min)
     };
-    let mean = |list: Vec<f64>| list.iter().sum::<f64>() / list.len() as f64;
-    let inner = |e: &&Element| (1.0..39.0).contains(&e.centre.x) && (1.0..39.0).contains(&e.centre.y);
-    let at: Vec<f64> = result.elements.iter().filter(inner).filter(|e| to_seam(e) < 0.4).map(nearest).collect();
-    let off: Vec<f64> = result.elements.iter().filter(inner).filter(|e| to_seam(e) > 1.5).map(nearest).collect();
-    let density = at.len() as f64 / (off.len() as f64) / (area_share(0.4, side) / (1.0 - area_share(1.5, side)));
-    assert!((mean(at.clone()) / mean(off.clone()) - 1.0).abs() < 0.05, "{} {}", mean(at), mean(off));
+    let is_inner = |p: Point| (1.0..38.5).contains(&p.x) && (1.0..38.5).contains(&p.y);
+    let share_of = |near: &dyn Fn(f64) -> bool| {
+        let places = (0..40_000).map(|k| Point::new(f64::from(k % 200) + 0.5, f64::from(k / 200) + 0.5) * 0.2);
+        places.filter(|p| is_inner(*p) && near(to_seam(*p))).count() as f64
+    };
+    let at_seam = |d: f64| d < 0.4;
+    let off_seam = |d: f64| d > 1.5;
+    let of = |near: &dyn Fn(f64) -> bool| {
+        let chosen = result.elements.iter().filter(|e| is_inner(e.centre) && near(to_seam(e.centre)));
+        chosen.map(nearest).collect::<Vec<f64>>()
+    };
+    let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
+    let (at, off) = (of(&at_seam), of(&off_seam));
+    let density = (at.len() as f64 / share_of(&at_seam)) / (off.len() as f64 / share_of(&off_seam));
+    assert!((mean(&at) / mean(&off) - 1.0).abs() < 0.05, "{} {}", mean(&at), mean(&off));
     assert!((density - 1.0).abs() < 0.12, "{density}");
-}
-
-/// The share of the plane nearer than `width` to lines `side` apart in both directions.
-fn area_share(width: f64, side: f64) -> f64 {
-    1.0 - (1.0 - 2.0 * width / side).powi(2)
 }
 
 #[test]

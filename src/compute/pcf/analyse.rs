@@ -34,13 +34,15 @@ pub struct AnalysisOptions {
     pub weight_cap: f64,
     /// Whether individual curves are returned.
     pub keep_individual: bool,
+    /// Whether [`Curve::triplets`] are worked out, which a synthesis needs.
+    pub triplets: bool,
 }
 
 impl AnalysisOptions {
     /// The defaults for `metric`.
     pub fn of(metric: Metric) -> Self {
         let axis = Axis::with_extent(metric.default_extent());
-        Self { metric, axis, weight_cap: WEIGHT_CAP, keep_individual: false }
+        Self { metric, axis, weight_cap: WEIGHT_CAP, keep_individual: false, triplets: false }
     }
 }
 
@@ -98,13 +100,13 @@ pub fn analyse(
     run: &Run,
 ) -> Result<Analysis, PcfError> {
     let axis = options.axis.checked()?;
-    let correlator = Correlator { metric: options.metric, kernel: Kernel::new(axis), weight_cap: options.weight_cap };
+    let correlator = Correlator::new(options.metric, Kernel::new(axis), options.weight_cap);
     let classes = summaries(elements, dependencies, domain.area())?;
     let mut curves = Vec::new();
     for (done, class) in dependencies.order().iter().enumerate() {
         run.progress("distribution.analysis", done as u64, classes.len() as u64)?;
         let child = Child { class: *class, elements, classes: &classes, domain, correlator: &correlator };
-        curves.extend(child.curves(dependencies.parents(*class), options.keep_individual, run)?);
+        curves.extend(child.curves(dependencies.parents(*class), options, run)?);
     }
     let area = domain.area();
     Ok(Analysis { metric: options.metric, area, classes, dependencies: dependencies.clone(), curves })
@@ -169,34 +171,41 @@ struct Child<'a> {
     correlator: &'a Correlator,
 }
 
+/// What one element sees: a curve for each crowd, and its triplets among its own class.
+struct Seen {
+    rows: Vec<Vec<f64>>,
+    triplets: Vec<f64>,
+}
+
 impl Child<'_> {
-    fn curves(&self, parents: &[usize], keep: bool, run: &Run) -> Result<Vec<Curve>, PcfError> {
+    fn curves(&self, parents: &[usize], options: &AnalysisOptions, run: &Run) -> Result<Vec<Curve>, PcfError> {
         let unit = self.classes[self.class].r_max;
         let crowd = |class: usize| Crowd::new(bodies(self.elements, class, unit), unit);
         let targets: Vec<usize> = std::iter::once(self.class).chain(parents.iter().copied()).collect();
         let crowds: Vec<Crowd> = targets.iter().map(|c| crowd(*c)).collect();
-        let mut curves: Vec<CurveSum> = targets.iter().map(|p| CurveSum::new(self.empty_curve(*p), keep)).collect();
-        let mut factors: Vec<Vec<f64>> = Vec::new();
-        for (sum, parent) in curves.iter().zip(&targets) {
+        let sum = |p: &usize| CurveSum::new(self.empty_curve(*p), options.keep_individual);
+        let mut sums: Vec<CurveSum> = targets.iter().map(sum).collect();
+        let factor = |(sum, parent): (&CurveSum, &usize)| {
             let partners = self.classes[*parent].count - usize::from(*parent == self.class);
-            factors.push(curve::factors(&sum.curve.mass, partners as f64 * unit * unit / self.domain.area()));
-        }
+            curve::factors(&sum.curve.mass, partners as f64 * unit * unit / self.domain.area())
+        };
+        let factors: Vec<Vec<f64>> = sums.iter().zip(&targets).map(factor).collect();
+        let squares = options.triplets.then(|| self.correlator.squared());
         let count = self.classes[self.class].count;
         for start in (0..count).step_by(CHUNK) {
-            let rows: Vec<Vec<Vec<f64>>> = (start..(start + CHUNK).min(count))
-                .into_par_iter()
-                .map(|i| if run.is_stopped() { Vec::new() } else { self.rows(i, &crowds, &factors) })
-                .collect();
+            let see = |i: usize| (!run.is_stopped()).then(|| self.see(i, (&crowds, &factors), squares.as_ref()));
+            let seen: Vec<Option<Seen>> = (start..(start + CHUNK).min(count)).into_par_iter().map(see).collect();
             run.check()?;
-            for row in rows.into_iter().flat_map(|rows| rows.into_iter().enumerate()) {
-                curves[row.0].add(row.1);
+            for Seen { rows, triplets } in seen.into_iter().flatten() {
+                rows.into_iter().zip(&mut sums).for_each(|(row, sum)| sum.add(row));
+                sums[0].add_triplets(&triplets);
             }
         }
-        Ok(curves.into_iter().map(CurveSum::finish).collect())
+        Ok(sums.into_iter().map(CurveSum::finish).collect())
     }
 
-    /// The individual curves of element `i` towards each crowd; the first is its own class.
-    fn rows(&self, i: usize, crowds: &[Crowd], factors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    /// What element `i` sees of each crowd, the first of which is its own class.
+    fn see(&self, i: usize, (crowds, factors): (&[Crowd], &[Vec<f64>]), squares: Option<&Correlator>) -> Seen {
         let body = &crowds[0].bodies()[i];
         let reach = crowds.iter().map(|c| self.correlator.reach(body, c)).fold(0.0, f64::max);
         let weight = BorderWeight::new(self.domain, body, reach, self.correlator.weight_cap);
@@ -206,7 +215,13 @@ impl Child<'_> {
             row.iter_mut().zip(&factors[k]).for_each(|(value, factor)| *value *= factor);
             row
         };
-        crowds.iter().enumerate().map(row).collect()
+        let rows: Vec<Vec<f64>> = crowds.iter().enumerate().map(row).collect();
+        let triplets = squares.map(|squares| {
+            let mut same = vec![0.0; factors[0].len()];
+            squares.add_row(&mut same, (body, &weight), &crowds[0], Some(i));
+            curve::triplets(&rows[0], &same, &factors[0])
+        });
+        Seen { rows, triplets: triplets.unwrap_or_default() }
     }
 
     fn empty_curve(&self, parent: usize) -> Curve {
@@ -242,8 +257,23 @@ impl CurveSum {
         }
     }
 
+    /// Adds the triplets of one element; none: they are not asked for.
+    pub(super) fn add_triplets(&mut self, triplets: &[f64]) {
+        let curve = &mut self.curve;
+        curve.triplets.resize(triplets.len(), 0.0);
+        curve.triplet_variance.resize(triplets.len(), 0.0);
+        for (bin, value) in triplets.iter().enumerate() {
+            curve.triplets[bin] += value;
+            curve.triplet_variance[bin] += value * value;
+        }
+    }
+
     pub(super) fn finish(mut self) -> Curve {
         let count = self.count.max(1) as f64;
+        for (mean, square) in self.curve.triplets.iter_mut().zip(&mut self.curve.triplet_variance) {
+            *mean /= count;
+            *square = (*square / count - *mean * *mean).max(0.0);
+        }
         self.curve.mean.iter_mut().for_each(|v| *v /= count);
         self.curve
     }

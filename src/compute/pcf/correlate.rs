@@ -83,12 +83,23 @@ pub struct Correlator {
     pub kernel: Kernel,
     /// The most a pair is weighted for the border.
     pub weight_cap: f64,
+    power: i32,
 }
 
 impl Correlator {
+    /// Pairs at distances of `metric`, smoothed by `kernel`, weighted up to `weight_cap`.
+    pub fn new(metric: Metric, kernel: Kernel, weight_cap: f64) -> Self {
+        Self { metric, kernel, weight_cap, power: 1 }
+    }
+
     /// How far, in the frame of `body`, partners in `crowd` can add to its curve.
     pub fn reach(&self, body: &Body, crowd: &Crowd) -> f64 {
         self.metric.reach(self.kernel.axis().reach(), body.radius, crowd.largest_radius)
+    }
+
+    /// The same for sums of squared terms.
+    pub fn squared(&self) -> Self {
+        Self { kernel: self.kernel.squared(), power: 2, ..self.clone() }
     }
 
     /// Adds to `row` the kernel sum of `body` over all of `crowd` but the one at `itself`.
@@ -103,7 +114,7 @@ impl Correlator {
             }
             let place = self.metric.value(distance, body.radius, other.radius);
             if place <= self.kernel.axis().reach() {
-                self.kernel.add(row, place, weight.at(distance));
+                self.kernel.add(row, place, weight.at(distance).powi(self.power));
             }
         });
     }

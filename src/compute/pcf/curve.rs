@@ -28,6 +28,12 @@ pub struct Curve {
     pub lower: Vec<f64>,
     /// Their pointwise greatest value.
     pub upper: Vec<f64>,
+    /// Mean over the class's elements of Σ over pairs of two different partners, both at r: how
+    /// far partners come together (third order). Only of a class looking at itself, and only if
+    /// asked for; else empty.
+    pub triplets: Vec<f64>,
+    /// The variance of the elements' own sums, at each place of `triplets`.
+    pub triplet_variance: Vec<f64>,
     /// The individual curves, in the order of the class's elements; empty unless kept.
     pub individual: Vec<Vec<f64>>,
 }
@@ -55,6 +61,12 @@ pub fn relative_squares(new: &[f64], target: &[f64]) -> f64 {
     new.iter().zip(target).map(|(x, t)| (x - t) * (x - t) / t.max(RELATIVE_FLOOR)).sum()
 }
 
+/// An element's triplets at every place: (Σ of its terms)² − Σ of their squares, where `row` is
+/// its own curve and `same` the sum of squared terms before `factors`.
+pub fn triplets(row: &[f64], same: &[f64], factors: &[f64]) -> Vec<f64> {
+    row.iter().zip(same).zip(factors).map(|((sum, same), factor)| sum * sum - same * factor * factor).collect()
+}
+
 /// What a kernel sum is multiplied by at every place to become a curve: 1/(density·M(r)), or 0
 /// where no pair can lie.
 pub fn factors(mass: &[f64], density: f64) -> Vec<f64> {
@@ -75,6 +87,8 @@ impl Curve {
             mean: zeros.clone(),
             lower: zeros.clone(),
             upper: zeros,
+            triplets: Vec::new(),
+            triplet_variance: Vec::new(),
             individual: Vec::new(),
         }
     }

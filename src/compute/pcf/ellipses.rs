@@ -56,7 +56,7 @@ pub fn analyse_ellipses(
 ) -> Result<Curve, PcfError> {
     check(ellipses)?;
     let axis = options.axis.checked()?;
-    let correlator = Correlator { metric: Metric::Ellipse, kernel: Kernel::new(axis), weight_cap: options.weight_cap };
+    let correlator = Correlator::new(Metric::Ellipse, Kernel::new(axis), options.weight_cap);
     let mean_ab = ellipses.iter().map(|e| e.a * e.b).sum::<f64>() / ellipses.len() as f64;
     let mass = mass::of_ellipses(&axis, mean_ab);
     let factors = curve::factors(&mass, (ellipses.len() - 1) as f64 / domain.area());
@@ -117,11 +117,7 @@ impl<'a> EllipseTrial<'a> {
         Self {
             domain,
             target,
-            correlator: Correlator {
-                metric: Metric::Ellipse,
-                kernel: Kernel::new(axis),
-                weight_cap: super::WEIGHT_CAP,
-            },
+            correlator: Correlator::new(Metric::Ellipse, Kernel::new(axis), super::WEIGHT_CAP),
             unit_mass: mass::of_points(&axis),
             placed: Vec::new(),
             cells: vec![Vec::new(); columns * rows],

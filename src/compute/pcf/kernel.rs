@@ -81,15 +81,26 @@ impl Axis {
 pub struct Kernel {
     axis: Axis,
     bins: usize,
+    sigma: f64,
+    peak: f64,
     steps: Vec<f64>,
 }
 
 impl Kernel {
     /// The kernel over `axis`.
     pub fn new(axis: Axis) -> Self {
+        Self::gaussian(axis, axis.sigma, 1.0 / (std::f64::consts::PI.sqrt() * axis.sigma))
+    }
+
+    /// The square of the kernel at every place: a Gaussian too.
+    pub fn squared(&self) -> Self {
+        Self::gaussian(self.axis, self.sigma * std::f64::consts::FRAC_1_SQRT_2, self.peak * self.peak)
+    }
+
+    fn gaussian(axis: Axis, sigma: f64, peak: f64) -> Self {
         let half = (CUT_OFF_SIGMAS * axis.sigma / axis.step) as usize + 1;
-        let step = |k: usize| libm::exp(-(k as f64 * axis.step / axis.sigma).powi(2));
-        Self { axis, bins: axis.bins(), steps: (0..=half).map(step).collect() }
+        let step = |k: usize| libm::exp(-(k as f64 * axis.step / sigma).powi(2));
+        Self { axis, bins: axis.bins(), sigma, peak, steps: (0..=half).map(step).collect() }
     }
 
     /// The axis.
@@ -99,7 +110,7 @@ impl Kernel {
 
     /// Adds `weight`·k_σ(r − distance) to `row` at every place r; `row` has one value a place.
     pub fn add(&self, row: &mut [f64], distance: f64, weight: f64) {
-        let Axis { sigma, step, .. } = self.axis;
+        let (sigma, step) = (self.sigma, self.axis.step);
         let nearest = (distance / step).round() as isize - 1;
         let half = self.steps.len() as isize - 1;
         let (first, last) = ((nearest - half).max(0), (nearest + half).min(self.bins as isize - 1));
@@ -108,7 +119,7 @@ impl Kernel {
         }
         let middle = nearest.clamp(first, last);
         let x = (middle + 1) as f64 * step - distance;
-        let peak = weight / (std::f64::consts::PI.sqrt() * sigma) * libm::exp(-(x / sigma).powi(2));
+        let peak = weight * self.peak * libm::exp(-(x / sigma).powi(2));
         let ratio = libm::exp(-2.0 * x * step / (sigma * sigma));
         let mut upward = peak;
         for bin in middle..=last {
@@ -139,6 +150,17 @@ mod tests {
                 let exact = 2.0 * (-(x / 0.25_f64).powi(2)).exp() / (std::f64::consts::PI.sqrt() * 0.25);
                 assert!((value - exact).abs() < 1e-9, "{distance} {bin}: {value} {exact}");
             }
+        }
+    }
+
+    #[test]
+    fn the_square_of_the_kernel_is_its_square() {
+        let kernel = Kernel::new(Axis::default());
+        for distance in [0.33, 1.0, 4.9] {
+            let (mut row, mut square) = (vec![0.0; 50], vec![0.0; 50]);
+            kernel.add(&mut row, distance, 1.5);
+            kernel.squared().add(&mut square, distance, 2.25);
+            assert!(row.iter().zip(&square).all(|(k, s)| (k * k - s).abs() < 1e-9));
         }
     }
 

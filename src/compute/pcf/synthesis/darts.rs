@@ -1,10 +1,10 @@
 //! Initialisation: dart throwing with a growing tolerance, then a grid search (T Algorithm 1).
 
 use super::partners::Partner;
-use super::partners::Partners;
 use super::patch::Patch;
 use super::trial::BARRED;
 use super::trial::BlockSums;
+use super::trial::Filling;
 use super::trial::KernelRows;
 use super::trial::Trial;
 use crate::compute::geometry::Point;
@@ -54,8 +54,11 @@ pub(super) fn fill(
         patch,
         options,
         trial: Trial::new(patch, &kernel),
-        sums: BlockSums::new(patch.scene, radii.len(), (patch.sampler.block_side(), neighbours)),
-        inner: patch.inner(&[]),
+        filling: Filling {
+            inner: patch.inner(&[]),
+            curves: Vec::new(),
+            sums: BlockSums::new(patch.scene, radii.len(), (patch.sampler.block_side(), neighbours)),
+        },
         random: Stream::new(options.seed, DARTS, (patch.scene.class as u64) << 32 | index as u64),
         filled: Filled::default(),
         searching: false,
@@ -70,8 +73,7 @@ struct Thrower<'a> {
     patch: &'a Patch<'a>,
     options: &'a SynthesisOptions,
     trial: Trial<'a>,
-    sums: BlockSums,
-    inner: Partners,
+    filling: Filling,
     random: Stream,
     filled: Filled,
     searching: bool,
@@ -132,14 +134,14 @@ impl Thrower<'_> {
     }
 
     fn error(&mut self, p: Point, radius: f64, bound: f64) -> f64 {
-        self.trial.error((p, radius / self.patch.scene.unit), (&self.inner, &self.sums), bound)
+        self.trial.error((p, radius / self.patch.scene.unit), &self.filling, bound)
     }
 
     fn accept(&mut self, p: Point, radius: f64) {
         self.error(p, radius, f64::INFINITY);
-        self.trial.accept(&mut self.sums);
         let weight = self.patch.scene.intensity.weight(p);
-        self.inner.push(Partner { place: p, radius: radius / self.patch.scene.unit, weight });
+        let partner = Partner { place: p, radius: radius / self.patch.scene.unit, weight };
+        self.trial.accept(partner, &mut self.filling);
         self.filled.elements.push((p, radius));
     }
 }

@@ -1,13 +1,15 @@
 //! Outliers: elements that keep the curves from their targets, whose individual curve left the
 //! validity region, or that came too near another, are taken out and laid out again (T 3.6.5).
 
-use super::partners::Partners;
+use super::partners::Partner;
 use super::patch::Individual;
 use super::patch::Patch;
 use super::patch::sums_of;
+use super::patch::triplet_sums;
 use super::refine::refine;
 use super::trial::BARRED;
 use super::trial::BlockSums;
+use super::trial::Filling;
 use super::trial::KernelRows;
 use super::trial::Trial;
 use crate::compute::geometry::Point;
@@ -20,6 +22,9 @@ use crate::compute::random::Stream;
 use crate::compute::run::Run;
 
 const AGAIN: Purpose = Purpose::new("distribution.outliers");
+
+/// The same for triplets, in standard deviations of single elements.
+const LEAST_TRIPLET_SCALE: f64 = 0.05;
 
 /// At most this share of a block is laid out again in one round.
 const MOST_AT_ONCE: f64 = 0.05;
@@ -62,11 +67,17 @@ pub(super) fn improve(
     options: &SynthesisOptions,
     run: &Run,
 ) -> Result<Improved, PcfError> {
-    let limits = patch.errors_of(&patch.individuals(&[]));
+    let begun = patch.individuals(&[]);
+    let limits = patch.errors_of(&begun);
     let scales: Vec<f64> = limits.iter().map(|e| e.max(LEAST_SCALE)).collect();
+    let triplet_scale = patch.triplet_error(&begun).max(LEAST_TRIPLET_SCALE);
+    let distance = |patch: &Patch<'_>, individuals: &[Individual], errors: &[f64]| {
+        let triplets = patch.triplet_error(individuals) / triplet_scale;
+        errors.iter().zip(&scales).map(|(e, s)| (e / s).powi(2)).sum::<f64>() + triplets * triplets
+    };
     let mut improved = Improved { iterations: refine(patch, (&scales, &limits), options, run)?, ..Improved::default() };
     let mut individuals = patch.individuals(&[]);
-    let mut least = total(&patch.errors_of(&individuals), &scales);
+    let mut least = distance(patch, &individuals, &patch.errors_of(&individuals));
     let unbound = vec![f64::INFINITY; limits.len()];
     let shorter = SynthesisOptions { max_iterations: options.max_iterations / AGAIN_SHORTER, ..options.clone() };
     let mut in_vain = 0;
@@ -81,22 +92,19 @@ pub(super) fn improve(
         let iterations = refine(patch, (&scales, &unbound), &shorter, run)?;
         let after = patch.individuals(&[]);
         let errors = patch.errors_of(&after);
-        if errors.iter().zip(&limits).any(|(e, l)| *e > l + 1e-9) || total(&errors, &scales) >= least {
+        let now = distance(patch, &after, &errors);
+        if errors.iter().zip(&limits).any(|(e, l)| *e > l + 1e-9) || now >= least {
             patch.places = before;
             in_vain += 1;
             continue;
         }
-        (individuals, least) = (after, total(&errors, &scales));
+        (individuals, least) = (after, now);
         improved.replaced += outliers.len();
         improved.iterations += iterations;
     }
     part(patch, &mut improved, (stream, options), run)?;
     let outside = patch.individuals(&[]).iter().filter(|i| region_error(i, patch) > options.outlier_tolerance).count();
     Ok(Improved { outside, ..improved })
-}
-
-fn total(errors: &[f64], scales: &[f64]) -> f64 {
-    errors.iter().zip(scales).map(|(e, s)| (e / s).powi(2)).sum()
 }
 
 /// Parts elements of the class that are nearer than allowed; what finds no place is taken out.
@@ -176,8 +184,16 @@ fn highest(values: &[f64], most: usize) -> Vec<usize> {
 /// taken out: Σ over all curves and places, weighted as in the trials.
 fn relief(patch: &Patch<'_>, individuals: &[Individual]) -> Vec<f64> {
     let (sums, count) = (sums_of(individuals, patch.scene), individuals.len() as f64);
+    let (triplets, views) = (triplet_sums(individuals, patch.scene), patch.scene.views.len() as f64);
     let of = |individual: &Individual| {
         let mut relief = 0.0;
+        for (bin, weight) in patch.scene.triplet_weights.iter().enumerate() {
+            // An element is one end of as many triplets at either side as it is the middle of.
+            let target = patch.scene.views[0].target.triplets[bin];
+            let before = triplets[bin] - target * count;
+            let after = before - 3.0 * (individual.triplets[bin] - target);
+            relief += views * (before * before - after * after) * weight;
+        }
         for (v, view) in patch.scene.views.iter().enumerate() {
             for bin in (0..view.factors.len()).filter(|b| view.factors[*b] > 0.0) {
                 let target = view.target.mean[bin];
@@ -208,21 +224,21 @@ fn too_near(patch: &Patch<'_>) -> Vec<usize> {
 /// Lays the given elements (ascending) out again, the largest first, each at the best of many
 /// random places of its block; gives those for which none was free, ascending: they stay.
 fn replace(patch: &mut Patch<'_>, outliers: &[usize], mut random: Stream, run: &Run) -> Result<Vec<usize>, PcfError> {
+    let kept = patch.individuals(outliers);
     let mut sums = BlockSums::new(patch.scene, patch.places.len(), (patch.sampler.block_side(), 1.0));
-    sums.placed = patch.places.len() - outliers.len();
-    sums.sums = sums_of(&patch.individuals(outliers), patch.scene);
+    sums.placed = kept.len();
+    sums.sums = sums_of(&kept, patch.scene);
+    sums.triplets = triplet_sums(&kept, patch.scene);
+    let curves = kept.into_iter().map(|mut i| std::mem::take(&mut i.rows[0])).collect();
+    let mut filling = Filling { inner: patch.inner(outliers), curves, sums };
     let kernel = KernelRows::new(patch.scene);
-    let mut inner = patch.inner(outliers);
     let mut order = outliers.to_vec();
     order.sort_by(|a, b| patch.radii[*b].total_cmp(&patch.radii[*a]).then(a.cmp(b)));
     let mut homeless = Vec::new();
     for i in order {
         run.check()?;
-        match best_place(patch, (&kernel, &inner, &mut sums), i, &mut random) {
-            Some(p) => {
-                patch.places[i] = p;
-                inner.push(patch.as_partner(i));
-            }
+        match best_place(patch, (&kernel, &mut filling), i, &mut random) {
+            Some(p) => patch.places[i] = p,
             None => homeless.push(i),
         }
     }
@@ -230,9 +246,10 @@ fn replace(patch: &mut Patch<'_>, outliers: &[usize], mut random: Stream, run: &
     Ok(homeless)
 }
 
+/// The best of many random places of element `i`, which is added there.
 fn best_place(
     patch: &Patch<'_>,
-    (kernel, inner, sums): (&KernelRows, &Partners, &mut BlockSums),
+    (kernel, filling): (&KernelRows, &mut Filling),
     i: usize,
     random: &mut Stream,
 ) -> Option<Point> {
@@ -241,12 +258,13 @@ fn best_place(
     let (mut best, mut least) = (None, BARRED);
     for _ in 0..TRIES {
         let Some(p) = patch.sampler.draw(patch.block, random) else { continue };
-        let error = trial.error((p, radius), (inner, sums), f64::INFINITY);
+        let error = trial.error((p, radius), filling, f64::INFINITY);
         if error < least {
             (best, least) = (Some(p), error);
         }
     }
-    trial.error((best?, radius), (inner, sums), f64::INFINITY);
-    trial.accept(sums);
+    let place = best?;
+    trial.error((place, radius), filling, f64::INFINITY);
+    trial.accept(Partner { place, radius, weight: patch.scene.intensity.weight(place) }, filling);
     best
 }

@@ -4,6 +4,7 @@ use super::sampler::Block;
 use super::sampler::Sampler;
 use super::scene::Scene;
 use crate::compute::geometry::Point;
+use crate::compute::pcf::curve;
 use crate::compute::pcf::rms;
 use rayon::prelude::*;
 
@@ -71,7 +72,24 @@ impl<'a> Patch<'a> {
             row.iter_mut().zip(&view.factors).for_each(|(value, factor)| *value *= factor);
         }
         own.iter_mut().zip(&scene.views[0].factors).for_each(|(value, factor)| *value *= factor);
-        Individual { rows, own }
+        let mut triplets = Vec::new();
+        if !scene.triplet_weights.is_empty() {
+            let mut same = zeros();
+            scene.add_squares(&mut same, (p, radius, &border), (&self.context, None));
+            scene.add_squares(&mut same, (p, radius, &border), (inner, Some(itself)));
+            triplets = curve::triplets(&rows[0], &same, &scene.views[0].factors);
+        }
+        Individual { rows, own, triplets }
+    }
+
+    /// How far the mean triplets are from the exemplar's, in standard deviations of single
+    /// elements; 0 when the exemplar has none.
+    pub(super) fn triplet_error(&self, individuals: &[Individual]) -> f64 {
+        let (sums, target) = (triplet_sums(individuals, self.scene), self.scene.views[0].target);
+        let count = individuals.len().max(1) as f64;
+        let square = |(bin, weight): (usize, &f64)| (sums[bin] / count - target.triplets[bin]).powi(2) * weight;
+        let squares: f64 = self.scene.triplet_weights.iter().enumerate().map(square).sum();
+        (squares / sums.len().max(1) as f64).sqrt()
     }
 
     /// Root mean square difference of the block's mean curves to their targets, one a view.
@@ -92,6 +110,17 @@ pub(super) struct Individual {
     pub(super) rows: Vec<Vec<f64>>,
     /// Of the first, what the block's own elements add.
     pub(super) own: Vec<f64>,
+    /// Its triplets among its own class; empty when the exemplar has none.
+    pub(super) triplets: Vec<f64>,
+}
+
+/// The sums of individual triplets.
+pub(super) fn triplet_sums(individuals: &[Individual], scene: &Scene<'_>) -> Vec<f64> {
+    let mut sums = vec![0.0; scene.triplet_weights.len()];
+    for individual in individuals {
+        sums.iter_mut().zip(&individual.triplets).for_each(|(s, t)| *s += t);
+    }
+    sums
 }
 
 /// The sums of individual curves, one a view.

@@ -34,6 +34,11 @@ pub(super) struct Scene<'a> {
     /// smallest distance, scaled with r_max (for disks, which keep their size, only down).
     pub(super) closest: f64,
     largest_radius: f64,
+    /// What a squared difference of triplets weighs at each place of the axis: the inverse of
+    /// their variance in the exemplar. Empty when it has none.
+    pub(super) triplet_weights: Vec<f64>,
+    /// The kernel squared.
+    squares: Kernel,
 }
 
 /// One active curve: what the class sees of one class, and what it should see.
@@ -84,6 +89,8 @@ impl<'a> Scene<'a> {
             views: curves.map(view).collect(),
             count: own.len(),
             closest: 0.5 * summary.closest * scale,
+            triplet_weights: analysis.curve(class, class).map(triplet_weights).unwrap_or_default(),
+            squares: Kernel::new(axis).squared(),
             largest_radius: own.iter().copied().fold(0.0, f64::max) / unit,
         }
     }
@@ -117,7 +124,7 @@ impl<'a> Scene<'a> {
             let distance = partner.place.distance(p) / self.unit;
             let place = self.metric.value(distance, radius, partner.radius);
             if place <= places && itself != Some(j) {
-                self.kernel.add(row, place, border.at(distance) * partner.weight);
+                visit(place, border.at(distance) * partner.weight);
             }
         });
     }
@@ -125,4 +132,14 @@ impl<'a> Scene<'a> {
 
 fn radii_of(elements: &[Element], class: usize) -> impl Iterator<Item = f64> {
     elements.iter().filter(move |e| e.class == class).map(|e| e.radius)
+}
+
+/// A place where the exemplar's triplets hardly vary weighs as if they varied by this share of
+/// their mean variance.
+const LEAST_VARIANCE: f64 = 0.01;
+
+fn triplet_weights(curve: &Curve) -> Vec<f64> {
+    let mean = curve.triplet_variance.iter().sum::<f64>() / curve.triplet_variance.len().max(1) as f64;
+    let least = (mean * LEAST_VARIANCE).max(1e-12);
+    curve.triplet_variance.iter().map(|v| 1.0 / v.max(least)).collect()
 }

@@ -1,7 +1,9 @@
+use super::partners::Partner;
 use super::partners::Partners;
 use super::patch::Patch;
 use super::scene::Scene;
 use crate::compute::geometry::Point;
+use crate::compute::pcf::BorderWeight;
 use crate::compute::pcf::RELATIVE_FLOOR;
 
 /// Kernel rows are kept for this many places between two values of the axis.
@@ -33,17 +35,23 @@ impl KernelRows {
         Self { step, half, rows: (0..PHASES).map(row).collect() }
     }
 
-    /// Adds `weight` times the kernel around `place` to `row`.
-    fn add(&self, row: &mut [f64], place: f64, weight: f64) {
+    /// The first place of the axis, of `bins`, in reach of the kernel around `place`, and the
+    /// kernel's values from there on.
+    fn around(&self, place: f64, bins: usize) -> (usize, &[f64]) {
         let at = (place / self.step * PHASES as f64 + 0.5) as usize;
         let (bin, phase) = ((at / PHASES) as isize - 1, at % PHASES);
-        let (first, last) = ((bin - self.half).max(0), (bin + self.half + 1).min(row.len() as isize - 1));
+        let (first, last) = ((bin - self.half).max(0), (bin + self.half + 1).min(bins as isize - 1));
         if first > last {
-            return;
+            return (0, &[]);
         }
         let from = (first - bin + self.half) as usize;
-        let kernel = &self.rows[phase][from..=from + (last - first) as usize];
-        for (value, k) in row[first as usize..=last as usize].iter_mut().zip(kernel) {
+        (first as usize, &self.rows[phase][from..=from + (last - first) as usize])
+    }
+
+    /// Adds `weight` times the kernel around `place` to `row`.
+    fn add(&self, row: &mut [f64], place: f64, weight: f64) {
+        let (first, kernel) = self.around(place, row.len());
+        for (value, k) in row[first..].iter_mut().zip(kernel) {
             *value += weight * k;
         }
     }
@@ -62,6 +70,8 @@ pub(super) struct BlockSums {
     pub(super) placed: usize,
     /// Σ of their individual curves, one row a view.
     pub(super) sums: Vec<Vec<f64>>,
+    /// Σ of their triplets; empty when the exemplar has none.
+    pub(super) triplets: Vec<f64>,
     /// Of the rings around the block's elements, the share inside the block, at every place of
     /// the axis: 1 for a block that is all of the domain.
     inside: Vec<f64>,
@@ -69,59 +79,133 @@ pub(super) struct BlockSums {
     neighbours: f64,
 }
 
+/// A block while it is filled: its elements, what each sees of its own class, and the sums.
+#[derive(Debug, Clone)]
+pub(super) struct Filling {
+    /// The elements so far.
+    pub(super) inner: Partners,
+    /// Their individual curves towards their own class.
+    pub(super) curves: Vec<Vec<f64>>,
+    /// The sums.
+    pub(super) sums: BlockSums,
+}
+
 /// Tries elements in a block: an error after T eq. 3.13.
 pub(super) struct Trial<'a> {
     patch: &'a Patch<'a>,
     kernel: &'a KernelRows,
-    /// Individual curves of the last candidate, one a view; its own class without the block.
+    /// Kernel sums of the last candidate, one row a view; of its own class without the block.
     rows: Vec<Vec<f64>>,
     /// What the block's own elements add to the first of them.
     inner: Vec<f64>,
+    /// Σ of squared terms of the candidate and its own class.
+    same: Vec<f64>,
+    /// Σ over the block's elements of their curve times the candidate's term.
+    crossed: Vec<f64>,
 }
 
 impl<'a> Trial<'a> {
     pub(super) fn new(patch: &'a Patch<'a>, kernel: &'a KernelRows) -> Self {
-        let zeros = vec![0.0; patch.scene.axis.bins()];
-        Self { patch, kernel, rows: vec![zeros.clone(); patch.scene.views.len()], inner: zeros }
+        let zeros = || vec![0.0; patch.scene.axis.bins()];
+        let rows = patch.scene.views.iter().map(|_| zeros()).collect();
+        Self { patch, kernel, rows, inner: zeros(), same: zeros(), crossed: zeros() }
     }
 
     /// The error of an element of `radius` (r_max) at `p`, given the block's elements so far;
     /// whatever lies above `bound` is not worked out to the end. The individual curve towards
     /// its own class has no lower bound here, as the class is not complete yet.
-    pub(super) fn error(&mut self, (p, radius): (Point, f64), block: (&Partners, &BlockSums), bound: f64) -> f64 {
+    pub(super) fn error(&mut self, (p, radius): (Point, f64), filling: &Filling, bound: f64) -> f64 {
         let (scene, extent) = (self.patch.scene, self.kernel.reach(self.patch.scene.axis.extent));
-        let border = scene.border(p, self.patch.farthest((radius, block.0), extent));
-        let (mut growth, mut outside, mut barred) = (0.0, 0.0_f64, false);
-        for v in 0..scene.views.len() {
-            let (kernel, row, inner) = (self.kernel, &mut self.rows[v], &mut self.inner);
-            row.fill(0.0);
-            let mut add = |row: &mut [f64], partner: &super::partners::Partner| {
-                let distance = partner.place.distance(p) / scene.unit;
-                let place = scene.metric.value(distance, radius, partner.radius);
-                if place <= extent {
-                    kernel.add(row, place, border.at(distance) * partner.weight);
-                }
-                barred |= v == 0 && distance * scene.unit < scene.closest;
-            };
-            let partners = self.patch.partners(v);
-            let far = scene.reach(partners, radius, extent) * scene.unit;
-            partners.for_each_near(p, far, |_, partner| add(row, partner));
-            if v == 0 {
-                inner.fill(0.0);
-                let far = scene.reach(block.0, radius, extent) * scene.unit;
-                block.0.for_each_near(p, far, |_, partner| add(inner, partner));
+        let border = scene.border(p, self.patch.farthest((radius, &filling.inner), extent));
+        if !self.see_own((p, radius), &border, filling) {
+            return BARRED;
+        }
+        let views = scene.views.len();
+        let (mut growth, mut outside) = (self.triplet_growth(&filling.sums), 0.0_f64);
+        for v in 0..views {
+            if v > 0 {
+                self.see_parent(v, (p, radius), &border);
             }
-            if barred {
-                return BARRED;
-            }
-            let (of_view, out) = self.errors_of(v, block.1);
-            growth += of_view / scene.views.len() as f64;
+            let (of_view, out) = self.errors_of(v, &filling.sums);
+            growth += of_view / views as f64;
             outside = outside.max(out);
             if outside > bound {
                 break;
             }
         }
         growth.max(0.0) + outside
+    }
+
+    /// Sums over the candidate's own class; `false` when it comes too near one of it.
+    fn see_own(&mut self, (p, radius): (Point, f64), border: &BorderWeight, filling: &Filling) -> bool {
+        let (scene, kernel, bins) = (self.patch.scene, self.kernel, self.patch.scene.axis.bins());
+        let extent = kernel.reach(scene.axis.extent);
+        [&mut self.rows[0], &mut self.inner, &mut self.same, &mut self.crossed].into_iter().for_each(|r| r.fill(0.0));
+        let mut barred = false;
+        let mut term = |partner: &Partner| {
+            let distance = partner.place.distance(p) / scene.unit;
+            barred |= distance * scene.unit < scene.closest;
+            let place = scene.metric.value(distance, radius, partner.radius);
+            (place <= extent).then(|| (kernel.around(place, bins), border.at(distance) * partner.weight))
+        };
+        let far = |partners: &Partners| scene.reach(partners, radius, extent) * scene.unit;
+        let context = self.patch.partners(0);
+        context.for_each_near(p, far(context), |_, partner| {
+            let Some(((first, kernel), weight)) = term(partner) else { return };
+            for (k, value) in kernel.iter().enumerate() {
+                self.rows[0][first + k] += weight * value;
+                self.same[first + k] += (weight * value) * (weight * value);
+            }
+        });
+        filling.inner.for_each_near(p, far(&filling.inner), |j, partner| {
+            let Some(((first, kernel), weight)) = term(partner) else { return };
+            let curve = &filling.curves[j][first..];
+            for (k, value) in kernel.iter().enumerate() {
+                let add = weight * value;
+                self.inner[first + k] += add;
+                self.same[first + k] += add * add;
+                self.crossed[first + k] += add * curve[k];
+            }
+        });
+        !barred
+    }
+
+    fn see_parent(&mut self, v: usize, (p, radius): (Point, f64), border: &BorderWeight) {
+        let (scene, kernel, row) = (self.patch.scene, self.kernel, &mut self.rows[v]);
+        let extent = kernel.reach(scene.axis.extent);
+        row.fill(0.0);
+        let partners = self.patch.partners(v);
+        partners.for_each_near(p, scene.reach(partners, radius, extent) * scene.unit, |_, partner| {
+            let distance = partner.place.distance(p) / scene.unit;
+            let place = scene.metric.value(distance, radius, partner.radius);
+            if place <= extent {
+                kernel.add(row, place, border.at(distance) * partner.weight);
+            }
+        });
+    }
+
+    /// What the candidate adds to the block's triplets at a place: its own, and those of the
+    /// elements that get one partner more.
+    fn triplets_at(&self, bin: usize) -> f64 {
+        let factor = self.patch.scene.views[0].factors[bin];
+        let sum = (self.rows[0][bin] + self.inner[bin]) * factor;
+        sum * sum - self.same[bin] * factor * factor + 2.0 * self.crossed[bin] * factor
+    }
+
+    /// The growth of the distance of the block's triplets to their target, weighted by the
+    /// inverse variance among the exemplar's elements (ours: curves alone leave open whether
+    /// partners come one by one or together, which is what clumps and gaps are made of).
+    fn triplet_growth(&self, sums: &BlockSums) -> f64 {
+        let target = self.patch.scene.views[0].target;
+        let mut growth = 0.0;
+        for (bin, inverse) in self.patch.scene.triplet_weights.iter().enumerate() {
+            let triplets = target.triplets[bin];
+            let before = sums.triplets[bin] - triplets * sums.expected_triplets(bin, sums.placed);
+            let after =
+                sums.triplets[bin] + self.triplets_at(bin) - triplets * sums.expected_triplets(bin, sums.placed + 1);
+            growth += (after * after - before * before) * inverse;
+        }
+        growth / target.triplets.len().max(1) as f64
     }
 
     /// For one view: the growth of the block's distance to its target curve, and how far the
@@ -156,15 +240,37 @@ impl<'a> Trial<'a> {
         (growth / view.factors.len() as f64, outside)
     }
 
-    /// Adds the last candidate, tried with no bound below its error, to the block's sums.
-    pub(super) fn accept(&self, sums: &mut BlockSums) {
-        sums.placed += 1;
-        for (v, view) in self.patch.scene.views.iter().enumerate() {
+    /// Adds the last candidate, tried with no bound below its error, to the block.
+    pub(super) fn accept(&self, partner: Partner, filling: &mut Filling) {
+        let (scene, factors) = (self.patch.scene, &self.patch.scene.views[0].factors);
+        let Filling { inner, curves, sums } = filling;
+        for (bin, triplets) in sums.triplets.iter_mut().enumerate() {
+            *triplets += self.triplets_at(bin);
+        }
+        for (v, view) in scene.views.iter().enumerate() {
             for (bin, factor) in view.factors.iter().enumerate() {
                 let inner = if v == 0 { 2.0 * self.inner[bin] } else { 0.0 };
                 sums.sums[v][bin] += (self.rows[v][bin] + inner) * factor;
             }
         }
+        let extent = self.kernel.reach(scene.axis.extent);
+        let border = scene.border(partner.place, self.patch.farthest((partner.radius, inner), extent));
+        let far = scene.reach(inner, partner.radius, extent) * scene.unit;
+        inner.for_each_near(partner.place, far, |j, other| {
+            let distance = other.place.distance(partner.place) / scene.unit;
+            let place = scene.metric.value(distance, partner.radius, other.radius);
+            if place <= extent {
+                let (first, kernel) = self.kernel.around(place, scene.axis.bins());
+                let weight = border.at(distance) * partner.weight;
+                for (k, value) in kernel.iter().enumerate() {
+                    curves[j][first + k] += weight * value * factors[first + k];
+                }
+            }
+        });
+        let own = (0..factors.len()).map(|bin| (self.rows[0][bin] + self.inner[bin]) * factors[bin]);
+        curves.push(own.collect());
+        inner.push(partner);
+        sums.placed += 1;
     }
 }
 
@@ -178,18 +284,26 @@ impl BlockSums {
             square_covariance(scene.metric.reach(scene.axis.r(bin), largest, largest) * scene.unit / side)
         };
         let sums = vec![vec![0.0; bins]; scene.views.len()];
-        Self { count: count.max(1), placed: 0, sums, inside: (0..bins).map(share).collect(), neighbours }
+        let triplets = vec![0.0; scene.triplet_weights.len()];
+        Self { count: count.max(1), placed: 0, sums, triplets, inside: (0..bins).map(share).collect(), neighbours }
     }
 
     /// The sum of `placed` individual curves, over the target curve: towards a parent each is
     /// complete, towards the class itself it sees the block's elements so far and what the
     /// neighbouring blocks hold.
     fn expected(&self, v: usize, bin: usize, placed: usize) -> f64 {
-        if v > 0 {
-            return placed as f64;
-        }
+        if v > 0 { placed as f64 } else { placed as f64 * self.seen(bin, placed) }
+    }
+
+    /// The sum of `placed` elements' triplets, over the target: both partners must be there.
+    fn expected_triplets(&self, bin: usize, placed: usize) -> f64 {
+        placed as f64 * self.seen(bin, placed).powi(2)
+    }
+
+    /// The share of an element's partners of its own class that is there.
+    fn seen(&self, bin: usize, placed: usize) -> f64 {
         let partners = placed.saturating_sub(1) as f64 / (self.count.max(2) - 1) as f64;
-        placed as f64 * (self.inside[bin] * partners + (1.0 - self.inside[bin]) * self.neighbours)
+        self.inside[bin] * partners + (1.0 - self.inside[bin]) * self.neighbours
     }
 }
 
