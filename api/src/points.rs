@@ -223,7 +223,7 @@ pub struct SynthesisInput {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(max = 10_000))]
     pub max_iterations: Option<u32>,
-    /// Rounds in which outliers are laid out again. Default: 6.
+    /// Rounds in which outliers are laid out again. Default: 12.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(max = 200))]
     pub outlier_rounds: Option<u32>,

@@ -85,7 +85,7 @@ impl NearestDistances {
 
     /// The share of distances up to `r`, among places at least `r` from the border (the
     /// reduced-sample estimate).
-    fn share(&self, r: f64) -> Option<f64> {
+    pub fn share(&self, r: f64) -> Option<f64> {
         ratio(self.samples.iter().map(|s| s.counts(r)).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1)))
     }
 

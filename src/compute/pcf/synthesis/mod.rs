@@ -68,7 +68,7 @@ pub struct SynthesisOptions {
     /// The descent ends when elements move less than this many r_max in the mean. Default:
     /// 0.0001 (ours).
     pub least_move: f64,
-    /// Rounds in which outliers are laid out again. Default: 6 (ours).
+    /// Rounds in which outliers are laid out again. Default: 12 (ours).
     pub outlier_rounds: usize,
     /// An individual curve is outside the validity region when it leaves it by more than this
     /// share of the bound. Default: 0.5 (ours: the extremes of an exemplar's few curves are
@@ -88,7 +88,7 @@ impl Default for SynthesisOptions {
             tolerance_step: 0.5,
             max_iterations: 100,
             least_move: 1e-4,
-            outlier_rounds: 6,
+            outlier_rounds: 12,
             outlier_tolerance: 0.5,
             block_elements: 1500,
         }

@@ -24,7 +24,7 @@ use crate::compute::run::Run;
 const AGAIN: Purpose = Purpose::new("distribution.outliers");
 
 /// The same for triplets, in standard deviations of single elements.
-const LEAST_TRIPLET_SCALE: f64 = 0.05;
+const LEAST_TRIPLET_SCALE: f64 = 0.15;
 
 /// At most this share of a block is laid out again in one round.
 const MOST_AT_ONCE: f64 = 0.05;
@@ -38,8 +38,14 @@ const PARTING_ROUNDS: usize = 4;
 /// Descents after outliers were laid out again are this many times shorter.
 const AGAIN_SHORTER: usize = 4;
 
+/// How often a refinement is tried when a curve ends worse than it began.
+const MOST_REFINEMENTS: usize = 4;
+
+/// What the scale of such a curve is multiplied by.
+const MORE_WEIGHT: f64 = 0.4;
+
 /// After so many rounds that brought nothing, no more are tried.
-const MOST_IN_VAIN: usize = 2;
+const MOST_IN_VAIN: usize = 3;
 
 /// A curve that begins nearer to its target than this is measured by this instead, so that one
 /// that fits already does not bind the others.
@@ -75,10 +81,10 @@ pub(super) fn improve(
         let triplets = patch.triplet_error(individuals) / triplet_scale;
         errors.iter().zip(&scales).map(|(e, s)| (e / s).powi(2)).sum::<f64>() + triplets * triplets
     };
-    let mut improved = Improved { iterations: refine(patch, (&scales, &limits), options, run)?, ..Improved::default() };
+    let iterations = refine_within(patch, (scales.clone(), &limits), options, run)?;
+    let mut improved = Improved { iterations, ..Improved::default() };
     let mut individuals = patch.individuals(&[]);
     let mut least = distance(patch, &individuals, &patch.errors_of(&individuals));
-    let unbound = vec![f64::INFINITY; limits.len()];
     let shorter = SynthesisOptions { max_iterations: options.max_iterations / AGAIN_SHORTER, ..options.clone() };
     let mut in_vain = 0;
     for round in 0..options.outlier_rounds {
@@ -89,7 +95,7 @@ pub(super) fn improve(
         }
         let before = patch.places.clone();
         replace(patch, &outliers, Stream::new(options.seed, AGAIN, stream << 8 | round as u64), run)?;
-        let iterations = refine(patch, (&scales, &unbound), &shorter, run)?;
+        let iterations = refine(patch, &scales, &shorter, run)?;
         let after = patch.individuals(&[]);
         let errors = patch.errors_of(&after);
         let now = distance(patch, &after, &errors);
@@ -105,6 +111,28 @@ pub(super) fn improve(
     part(patch, &mut improved, (stream, options), run)?;
     let outside = patch.individuals(&[]).iter().filter(|i| region_error(i, patch) > options.outlier_tolerance).count();
     Ok(Improved { outside, ..improved })
+}
+
+/// Refines; while a curve ends above its share of `limits`, again with more weight on it; if that
+/// does not help, the places stay as they were.
+fn refine_within(
+    patch: &mut Patch<'_>,
+    (mut scales, limits): (Vec<f64>, &[f64]),
+    options: &SynthesisOptions,
+    run: &Run,
+) -> Result<usize, PcfError> {
+    let (before, mut iterations) = (patch.places.clone(), 0);
+    for _ in 0..MOST_REFINEMENTS {
+        iterations += refine(patch, &scales, options, run)?;
+        let errors = patch.errors_of(&patch.individuals(&[]));
+        let above = |k: usize| errors[k] > limits[k] + 1e-9;
+        if !(0..limits.len()).any(above) {
+            return Ok(iterations);
+        }
+        (0..limits.len()).filter(|k| above(*k)).for_each(|k| scales[k] *= MORE_WEIGHT);
+    }
+    patch.places = before;
+    Ok(iterations)
 }
 
 /// Parts elements of the class that are nearer than allowed; what finds no place is taken out.

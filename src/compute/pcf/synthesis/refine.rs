@@ -54,16 +54,15 @@ pub(super) struct Refined {
 }
 
 /// Moves the elements of `patch` so that their mean curves come nearer the targets, each curve
-/// measured by its share of `scales`; none ends above its share of `limits`. Gives the
-/// iterations used.
+/// measured by its share of `scales`. Gives the iterations used.
 pub(super) fn refine(
     patch: &mut Patch<'_>,
-    (scales, limits): (&[f64], &[f64]),
+    scales: &[f64],
     options: &SynthesisOptions,
     run: &Run,
 ) -> Result<usize, PcfError> {
     let mut descent = Descent::new(patch, scales, options);
-    let refined = descent.descend(patch.places.clone(), limits, run)?;
+    let refined = descent.descend(patch.places.clone(), run)?;
     patch.places = refined.places;
     Ok(refined.iterations)
 }
@@ -73,16 +72,8 @@ pub(super) fn refine(
 struct State {
     /// What the descent lowers ([`Descent::total`]).
     total: f64,
-    /// Root mean square difference of each curve.
-    rms: Vec<f64>,
     /// curve − target, one row a view.
     errors: Vec<Vec<f64>>,
-}
-
-impl State {
-    fn within(&self, limits: &[f64]) -> bool {
-        self.rms.iter().zip(limits).all(|(rms, limit)| *rms <= limit + 1e-9)
-    }
 }
 
 struct Descent<'a> {
@@ -109,7 +100,7 @@ struct Descent<'a> {
 impl<'a> Descent<'a> {
     /// Round by round: gather the pairs in reach, descend while the lists hold, and keep the
     /// round only if it holds with border weights that are exact again.
-    fn descend(&mut self, places: Vec<Point>, limits: &[f64], run: &Run) -> Result<Refined, PcfError> {
+    fn descend(&mut self, places: Vec<Point>, run: &Run) -> Result<Refined, PcfError> {
         let mut best = Refined { places, iterations: 0 };
         let mut rank = 0;
         self.gather(&best.places);
@@ -117,10 +108,10 @@ impl<'a> Descent<'a> {
         for _ in 0..MOST_ROUNDS {
             run.check()?;
             let before = state.total;
-            let (round, last_rank, settled) = self.round(&best, (state, rank), limits, run)?;
+            let (round, last_rank, settled) = self.round(&best, (state, rank), run)?;
             self.gather(&round.places);
             state = self.measure(&round.places);
-            if state.total >= before || !state.within(limits) {
+            if state.total >= before {
                 break;
             }
             (best, rank) = (round, last_rank);
@@ -207,7 +198,6 @@ impl<'a> Descent<'a> {
         &self,
         from: &Refined,
         (mut state, mut rank): (State, usize),
-        limits: &[f64],
         run: &Run,
     ) -> Result<(Refined, usize, bool), PcfError> {
         let mut at = from.clone();
@@ -215,7 +205,7 @@ impl<'a> Descent<'a> {
             run.check()?;
             at.iterations += 1;
             let directions = self.directions(&at.places, &state);
-            let Some(step) = self.best_step(&at.places, &directions, (&state, rank), limits) else {
+            let Some(step) = self.best_step(&at.places, &directions, (&state, rank)) else {
                 return Ok((at, rank, true));
             };
             let gain = (state.total - step.state.total) / state.total;
@@ -235,13 +225,13 @@ impl<'a> Descent<'a> {
 
     /// The best of the step lengths: from the one of rank `rank` on to shorter ones until one
     /// helps, then on while the next is better still.
-    fn best_step(&self, places: &[Point], directions: &[Point], from: (&State, usize), limits: &[f64]) -> Option<Step> {
+    fn best_step(&self, places: &[Point], directions: &[Point], from: (&State, usize)) -> Option<Step> {
         let mut best: Option<Step> = None;
         for rank in from.1..STEPS.len() {
             let moved = self.moved(places, directions, STEPS[rank] * self.scene.unit);
             let state = self.measure(&moved);
             let better = best.as_ref().map_or(from.0.total, |b| b.state.total);
-            if state.total < better && state.within(limits) {
+            if state.total < better {
                 best = Some(Step { places: moved, state, rank });
             } else if best.is_some() {
                 break;
@@ -281,7 +271,7 @@ impl<'a> Descent<'a> {
         let rms: Vec<f64> = curves.iter().zip(targets()).map(|(c, t)| rms(c, t)).collect();
         let errors: Vec<Vec<f64>> =
             curves.iter().zip(targets()).map(|(c, t)| c.iter().zip(t).map(|(c, t)| c - t).collect()).collect();
-        State { total: self.total(&rms), rms, errors }
+        State { total: self.total(&rms), errors }
     }
 
     /// What the descent lowers: Σ of squared errors, each curve's over what it began with, so

@@ -113,13 +113,23 @@ impl<'a> Scene<'a> {
     }
 
     /// Adds to `row` what an element at `p` sees of `partners`, but for the one at `itself`.
-    pub(super) fn add_row(
+    pub(super) fn add_row(&self, row: &mut [f64], seen_from: Eye<'_>, partners: (&Partners, Option<usize>)) {
+        self.for_each_pair(seen_from, partners, |place, weight| self.kernel.add(row, place, weight));
+    }
+
+    /// The same for the squares of the terms.
+    pub(super) fn add_squares(&self, row: &mut [f64], seen_from: Eye<'_>, partners: (&Partners, Option<usize>)) {
+        self.for_each_pair(seen_from, partners, |place, weight| self.squares.add(row, place, weight * weight));
+    }
+
+    /// Calls `visit` with the place on the axis and the weight of every pair.
+    fn for_each_pair(
         &self,
-        row: &mut [f64],
-        seen_from: (Point, f64, &BorderWeight),
-        partners: (&Partners, Option<usize>),
+        (p, radius, border): Eye<'_>,
+        (partners, itself): (&Partners, Option<usize>),
+        mut visit: impl FnMut(f64, f64),
     ) {
-        let ((p, radius, border), (partners, itself), places) = (seen_from, partners, self.axis.reach());
+        let places = self.axis.reach();
         partners.for_each_near(p, self.reach(partners, radius, places) * self.unit, |j, partner| {
             let distance = partner.place.distance(p) / self.unit;
             let place = self.metric.value(distance, radius, partner.radius);
@@ -129,6 +139,9 @@ impl<'a> Scene<'a> {
         });
     }
 }
+
+/// From where an element looks: its place in metres, its radius in r_max, the border around it.
+pub(super) type Eye<'a> = (Point, f64, &'a BorderWeight);
 
 fn radii_of(elements: &[Element], class: usize) -> impl Iterator<Item = f64> {
     elements.iter().filter(move |e| e.class == class).map(|e| e.radius)
