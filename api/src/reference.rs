@@ -54,10 +54,11 @@ pub enum TextEncoding {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Given<T> {
+    /// The value itself. It is tried first: a list of one value could be read as the fields of an
+    /// envelope.
+    Value(T),
     /// By reference, or by value in an envelope.
     Reference(Reference),
-    /// The value itself.
-    Value(T),
 }
 
 impl Reference {

@@ -2,7 +2,6 @@
 
 use crate::science::distributions_exemplars as exemplars;
 use biotope::compute::geometry::Point;
-use biotope::compute::geometry::Region;
 use biotope::compute::pcf;
 use biotope::compute::pcf::AnalysisOptions;
 use biotope::compute::pcf::BorderOptions;
