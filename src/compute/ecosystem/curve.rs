@@ -25,18 +25,41 @@ impl Ground<'_> {
 
     /// The way with every stretch that a straight run of cells passes as quickly made straight.
     ///
-    /// A search over neighbouring cells knows eight directions only, so among its quickest ways
-    /// over even ground are many crooked ones; none of them is made slower here.
+    /// A search over neighbouring cells knows few directions, so among its quickest ways over
+    /// even ground are many crooked ones; none of them is made slower here.
     pub(crate) fn straightened(&self, species: usize, way: &Way) -> Vec<u32> {
-        let cells = &way.cells;
-        let at = self.clock(species, cells);
+        let step = |a: u32, b: u32| self.ways.step_s(species, a as usize, b as usize);
+        self.straight_by(species, &way.cells, 1.0 + 1e-6, step)
+    }
+
+    /// The course with every stretch that a straight run replaces at most `slack` times as dear
+    /// made straight; `step` gives what a step between neighbours costs.
+    pub(crate) fn straight_by(
+        &self,
+        species: usize,
+        cells: &[u32],
+        slack: f64,
+        step: impl Fn(u32, u32) -> f64,
+    ) -> Vec<u32> {
+        let mut at = vec![0.0];
+        cells.windows(2).for_each(|w| at.push(at[at.len() - 1] + step(w[0], w[1])));
         if cells.len() < 3 || !at[cells.len() - 1].is_finite() {
-            return cells.clone();
+            return cells.to_vec();
         }
         let mut straight = vec![cells[0]];
         let mut from = 0;
         while from + 1 < cells.len() {
-            let (to, run) = self.farthest_straight(species, cells, &at, from);
+            let attempt = |to: usize| {
+                let run = straight_run(self.grid, cells[from], cells[to]);
+                let mut left = (at[to] - at[from]) * slack;
+                let cheap = run.windows(2).all(|w| {
+                    left -= step(w[0], w[1]);
+                    left >= 0.0
+                });
+                cheap.then_some((to, run))
+            };
+            let (to, run) =
+                farthest(from, cells.len() - 1, attempt).unwrap_or((from + 1, cells[from..from + 2].to_vec()));
             straight.extend_from_slice(&run[1..]);
             from = to;
         }
@@ -71,30 +94,29 @@ impl Ground<'_> {
         }
         at
     }
+}
 
-    /// The farthest cell found, by doubling and then halving the stride, that a straight run from
-    /// `from` reaches as quickly as the way does.
-    fn farthest_straight(&self, species: usize, cells: &[u32], at: &[f64], from: usize) -> (usize, Vec<u32>) {
-        let last = cells.len() - 1;
-        let attempt = |to: usize| {
-            let run = straight_run(self.grid, cells[from], cells[to]);
-            let quick = self.seconds(species, &run) <= (at[to] - at[from]) * (1.0 + 1e-6);
-            quick.then_some((to, run))
-        };
-        let mut best = (from + 1, vec![cells[from], cells[from + 1]]);
-        let mut stride = 2;
-        let mut growing = true;
-        while stride > 0 {
-            let to = (if growing { from + stride } else { best.0 + stride }).min(last);
-            match attempt(to) {
-                Some(found) if found.0 > best.0 => best = found,
-                _ => growing = false,
-            }
-            growing &= best.0 < last;
-            stride = if growing { stride * 2 } else { stride / 2 };
+/// The farthest place after `from`, up to `last`, at which `attempt` was seen to succeed, by
+/// doubling the stride and then halving it.
+fn farthest(
+    from: usize,
+    last: usize,
+    attempt: impl Fn(usize) -> Option<(usize, Vec<u32>)>,
+) -> Option<(usize, Vec<u32>)> {
+    let mut best: Option<(usize, Vec<u32>)> = None;
+    let mut stride = 2;
+    let mut growing = true;
+    while stride > 0 {
+        let reached = best.as_ref().map_or(from, |found| found.0);
+        let to = (if growing { from + stride } else { reached + stride }).min(last);
+        match attempt(to) {
+            Some(found) if found.0 > reached => best = Some(found),
+            _ => growing = false,
         }
-        best
+        growing &= best.as_ref().is_some_and(|found| found.0 < last);
+        stride = if growing { stride * 2 } else { stride / 2 };
     }
+    best
 }
 
 /// The cells of a straight run between two cells, both included, each a neighbour of the one

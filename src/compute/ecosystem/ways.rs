@@ -13,6 +13,10 @@ pub struct Way {
     pub seconds: f64,
 }
 
+/// The eight neighbours of a cell as (columns east, rows south), in the order of
+/// [`crate::compute::raster::Grid::neighbours`].
+pub const AROUND: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
+
 /// Where each animal species can walk and how long it takes (L 5.1, 5.2).
 ///
 /// `species` is the index of the animal species, cells are row-major indices of the terrain.
@@ -31,6 +35,15 @@ pub trait Ways: Sync {
     /// Seconds from a cell to one of its eight neighbours; infinite where the step is too steep
     /// or either cell is closed to the species.
     fn step_s(&self, species: usize, from: usize, to: usize) -> f64;
+
+    /// [`Ways::step_s`] from a cell to the neighbours `to` (in the order of [`AROUND`], `None` off
+    /// the map) and back, all at once.
+    fn steps_s(&self, species: usize, from: usize, to: &[Option<usize>; 8]) -> [(f64, f64); 8] {
+        to.map(|to| match to {
+            Some(to) => (self.step_s(species, from, to), self.step_s(species, to, from)),
+            None => (f64::INFINITY, f64::INFINITY),
+        })
+    }
 
     /// Whether the species can stand on the cell.
     fn open(&self, species: usize, cell: usize) -> bool;

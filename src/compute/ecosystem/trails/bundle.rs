@@ -2,9 +2,11 @@
 
 use super::routes::Route;
 use crate::compute::ecosystem::curve::Ground;
+use crate::compute::ecosystem::ways::AROUND;
 use crate::compute::random::Purpose;
 use crate::compute::random::hash2;
 use crate::compute::random::unit;
+use crate::compute::raster::Cell;
 use crate::compute::raster::Grid;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
@@ -18,7 +20,11 @@ const ROUGHNESS: Purpose = Purpose::new("trails.roughness");
 const MOST_AT_ONCE: usize = 64;
 
 /// Wavelengths of the unevenness that no map shows, in cells, and their shares (ours).
-const WAVES: [(f64, f64); 2] = [(9.0, 0.7), (4.0, 0.3)];
+const WAVES: [(f64, f64); 3] = [(60.0, 0.5), (24.0, 0.3), (9.0, 0.2)];
+
+/// How much more a straight run may cost than the course it replaces (ours): a search over
+/// neighbouring cells prefers eight directions, animals do not.
+const SLACK: f64 = 1.03;
 
 /// How routes bend.
 pub(crate) struct Bending {
@@ -35,7 +41,10 @@ pub(crate) struct Bending {
 /// follow and deepen what others have trodden. Routes are laid in groups of growing size that do
 /// not see each other, so that the result does not depend on the number of threads.
 pub(crate) fn bundle(routes: &mut [Route], ground: &Ground, bending: &Bending, run: &Run) -> Result<(), Stopped> {
-    let mut load = vec![0.0f32; ground.grid.len()];
+    if routes.is_empty() {
+        return Ok(());
+    }
+    let mut field = Field { load: vec![0.0; ground.grid.len()], hardship: hardship(ground.grid, bending), bending };
     let total = routes.len();
     let mut laid = 0;
     while laid < total {
@@ -43,13 +52,13 @@ pub(crate) fn bundle(routes: &mut [Route], ground: &Ground, bending: &Bending, r
         let group = &mut routes[laid..next];
         group.par_iter_mut().try_for_each(|route| {
             run.check()?;
-            if let Some(cells) = relaid(route, ground, &load, bending) {
+            if let Some(cells) = relaid(route, ground, &field) {
                 route.cells = cells;
             }
             Ok(())
         })?;
         for route in group.iter() {
-            route.cells.iter().for_each(|&cell| load[cell as usize] += route.kg as f32);
+            route.cells.iter().for_each(|&cell| field.load[cell as usize] += route.kg as f32);
         }
         laid = next;
         run.progress("trails.bundle", laid as u64, total as u64)?;
@@ -57,9 +66,18 @@ pub(crate) fn bundle(routes: &mut [Route], ground: &Ground, bending: &Bending, r
     Ok(())
 }
 
+/// What makes a cell easier or harder to walk on than the map says.
+struct Field<'a> {
+    /// What walks on each cell, kg a year.
+    load: Vec<f32>,
+    /// What a step to each cell costs for its unevenness, times its time.
+    hardship: Vec<f32>,
+    bending: &'a Bending,
+}
+
 /// The cheapest course within reach of the present one.
-fn relaid(route: &Route, ground: &Ground, load: &[f32], bending: &Bending) -> Option<Vec<u32>> {
-    let band = Band::around(ground.grid, &route.cells, bending.reach_cells);
+fn relaid(route: &Route, ground: &Ground, field: &Field) -> Option<Vec<u32>> {
+    let band = Band::around(ground.grid, &route.cells, field.bending.reach_cells);
     let (from, to) = (*route.cells.first()? as usize, *route.cells.last()? as usize);
     let start = band.place(from)?;
     let goal = band.place(to)?;
@@ -75,26 +93,34 @@ fn relaid(route: &Route, ground: &Ground, load: &[f32], bending: &Bending) -> Op
         if here == goal {
             break;
         }
-        for (next, _) in ground.grid.neighbours(cell as usize) {
-            let Some(place) = band.place(next) else { continue };
-            let reached = best[here] + cost(route, ground, load, bending, (cell as usize, next));
+        let to = AROUND.map(|(dx, dy)| ground.grid.offset(cell as usize, dx, dy));
+        let steps = ground.ways.steps_s(route.species, cell as usize, &to);
+        for (next, seconds) in to.into_iter().zip(steps) {
+            let Some((next, place)) = next.and_then(|next| Some((next, band.place(next)?))) else { continue };
+            let reached = best[here] + field.cost(route, (cell as usize, next), seconds);
             if reached < best[place] {
                 (best[place], before[place]) = (reached, cell);
                 queue.push(Reverse((reached.to_bits(), place as u32, next as u32)));
             }
         }
     }
-    best[goal].is_finite().then(|| ground.squared(route.species, &trace(&band, &before, from, to)))
+    let step = |a: u32, b: u32| {
+        let (a, b) = (a as usize, b as usize);
+        let there_and_back = (ground.ways.step_s(route.species, a, b), ground.ways.step_s(route.species, b, a));
+        field.cost(route, (a, b), there_and_back)
+    };
+    best[goal].is_finite().then(|| ground.straight_by(route.species, &trace(&band, &before, from, to), SLACK, step))
 }
 
-fn cost(route: &Route, ground: &Ground, load: &[f32], bending: &Bending, (a, b): (usize, usize)) -> f64 {
-    let mut seconds = ground.ways.step_s(route.species, a, b);
-    if route.both_ways {
-        seconds = 0.5 * (seconds + ground.ways.step_s(route.species, b, a));
+impl Field<'_> {
+    /// What a step that takes so many seconds there and back costs; the mean of the two where the
+    /// route is walked in both directions.
+    fn cost(&self, route: &Route, (a, b): (usize, usize), (there, back): (f64, f64)) -> f64 {
+        let seconds = if route.both_ways { 0.5 * (there + back) } else { there };
+        let trodden = f64::from(self.load[a].min(self.load[b]));
+        let ease = 1.0 - self.bending.attraction * trodden / (trodden + route.kg);
+        seconds * ease * f64::from(self.hardship[b])
     }
-    let trodden = f64::from(load[a].min(load[b]));
-    let ease = 1.0 - bending.attraction * trodden / (trodden + route.kg);
-    seconds * ease * (1.0 + bending.roughness * unevenness(ground.grid, b, bending.seed))
 }
 
 fn trace(band: &Band, before: &[u32], from: usize, to: usize) -> Vec<u32> {
@@ -109,10 +135,16 @@ fn trace(band: &Band, before: &[u32], from: usize, to: usize) -> Vec<u32> {
     cells
 }
 
-/// Smooth noise in 0..=1, a function of the seed and the cell.
-fn unevenness(grid: &Grid, cell: usize, seed: u64) -> f64 {
-    let at = grid.cell(cell);
-    WAVES.iter().map(|(length, share)| share * noise(at.column as f64 / length, at.row as f64 / length, seed)).sum()
+/// 1 + roughness × smooth noise in 0..=1, a function of the seed and the cell.
+fn hardship(grid: &Grid, bending: &Bending) -> Vec<f32> {
+    let octave = |at: Cell, (length, share): (f64, f64)| {
+        share * noise(at.column as f64 / length, at.row as f64 / length, bending.seed)
+    };
+    let of_cell = |cell: usize| {
+        let noise: f64 = WAVES.iter().map(|wave| octave(grid.cell(cell), *wave)).sum();
+        (1.0 + bending.roughness * noise) as f32
+    };
+    (0..grid.len()).into_par_iter().with_min_len(4096).map(of_cell).collect()
 }
 
 fn noise(x: f64, y: f64, seed: u64) -> f64 {

@@ -13,9 +13,17 @@ use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use std::collections::BTreeMap;
 
-/// Rounds of averaging: a B-spline whose kernel has a standard deviation of about three cells
-/// (ours: takes out the eight directions of the grid, keeps the bends of a valley).
-const ROUNDS: usize = 14;
+/// How far along a line it is smoothed: the standard deviation of the B-spline's kernel, metres,
+/// but at least and at most so many cells (ours: takes out the directions of the grid and the
+/// corners where routes part, keeps the bends of a valley).
+const SMOOTH_M: f64 = 6.0;
+const SMOOTH_CELLS: (f64, f64) = (2.5, 6.0);
+
+/// Rounds of averaging (variance ½ each) that give this deviation.
+fn rounds(cell_m: f64) -> usize {
+    let cells = (SMOOTH_M / cell_m).clamp(SMOOTH_CELLS.0, SMOOTH_CELLS.1);
+    (2.0 * cells * cells).ceil() as usize
+}
 
 /// How far a line may be from the smoothed curve, in cells.
 const TOLERANCE: f64 = 0.05;
@@ -74,7 +82,7 @@ impl Course {
         let mut points: Vec<Point> = self.cells.iter().map(centre).collect();
         let walkers = self.walkers(portions);
         let clear = |i: usize, p: Point, q: Point| ground.clear(walkers[i], p, q);
-        relax(&mut points, ROUNDS, |i| fixed[i], clear);
+        relax(&mut points, rounds(ground.grid.cell_m), |i| fixed[i], clear);
         joints.iter().for_each(|&i| {
             settled.insert(self.cells[i], points[i]);
         });

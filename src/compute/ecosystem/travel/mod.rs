@@ -32,6 +32,7 @@ use crate::compute::ecosystem::regions::OpenedCells;
 use crate::compute::ecosystem::regions::Passages;
 use crate::compute::ecosystem::regions::Regions;
 use crate::compute::ecosystem::species::AnimalSpecies;
+use crate::compute::ecosystem::ways::AROUND;
 use crate::compute::ecosystem::ways::Way;
 use crate::compute::ecosystem::ways::Ways;
 use crate::compute::graph::shortest_paths::Quest;
@@ -266,6 +267,20 @@ impl Ways for Travel<'_> {
             Some(which) => f64::from(steps.around(a.column, a.row, 1).seconds(which)),
             None => f64::INFINITY,
         }
+    }
+
+    fn steps_s(&self, species: usize, from: usize, _: &[Option<usize>; 8]) -> [(f64, f64); 8] {
+        let steps = self.steps(species);
+        if !steps.open(from) {
+            return [(f64::INFINITY, f64::INFINITY); 8];
+        }
+        let cell = steps.grid().cell(from);
+        let around = steps.around(cell.column, cell.row, 1);
+        AROUND.map(|step| {
+            let which = MOVES[..NEIGHBOURS].iter().position(|m| *m == step).unwrap_or(0);
+            let (there, back) = around.there_and_back(which);
+            (f64::from(there), f64::from(back))
+        })
     }
 
     fn open(&self, species: usize, cell: usize) -> bool {

@@ -123,6 +123,17 @@ impl Around<'_> {
         }
     }
 
+    /// Seconds of the move `which` to a neighbour, and of the move back.
+    pub(super) fn there_and_back(&self, which: usize) -> (f32, f32) {
+        let step = MOVES[which];
+        let back = (-step.0, -step.1);
+        match which {
+            _ if !self.open[local(step)] => (f32::INFINITY, f32::INFINITY),
+            0..4 => (self.straight((0, 0), step), self.straight(step, back)),
+            _ => (self.diagonal((0, 0), step), self.diagonal(step, back)),
+        }
+    }
+
     fn straight(&self, from: (isize, isize), (dx, dy): (isize, isize)) -> f32 {
         let to = (from.0 + dx, from.1 + dy);
         let cells = if dx != 0 && dy != 0 { std::f32::consts::SQRT_2 } else { 1.0 };
