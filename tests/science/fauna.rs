@@ -8,6 +8,7 @@ use biotope::compute::ecosystem::fauna::density_per_m2;
 use biotope::compute::ecosystem::fauna::populate;
 use biotope::compute::ecosystem::fauna::surplus_of_animal;
 use biotope::compute::ecosystem::fauna::surplus_of_plant;
+use biotope::compute::ecosystem::rag::Node;
 use biotope::compute::ecosystem::rag::Resource;
 use biotope::compute::ecosystem::rag::Territory;
 use biotope::compute::ecosystem::regions::Ground;
@@ -220,8 +221,8 @@ fn random_world(seed: u64) -> World {
     world.animals.extend([wolf, hunter("lion", 3, &[2, 0])]);
     world.options.seed = seed;
     world.options.fill = draw.unit() < 0.5;
-    world.options.nodes.max_nodes = 1 + draw.below(40);
-    world.options.nodes.min_area_m2 = draw.range(0.0, 20_000.0);
+    world.options.nodes.max_nodes = if draw.unit() < 0.4 { 400 } else { 1 + draw.below(40) };
+    world.options.nodes.min_area_m2 = if draw.unit() < 0.4 { 0.0 } else { draw.range(0.0, 20_000.0) };
     if draw.unit() < 0.3 {
         world.options.plant_seasons = vec![vec![0.1, 0.4, 0.3, 0.2], vec![0.25; 4]];
     }
@@ -314,34 +315,42 @@ fn herds_have_the_sizes_of_groups_and_live_where_they_can_drink_and_eat() {
 }
 
 #[test]
-fn nodes_of_a_food_in_a_region_are_disjoint_and_add_up_to_what_can_be_eaten_there() {
+fn nodes_of_a_food_are_disjoint_and_add_up_to_what_can_be_eaten_in_the_region() {
+    let mut whole = 0;
     for (world, solved) in worlds() {
         let rag = &solved.population.rag;
         for territory in rag.territories.iter().filter(|t| world.animals[t.species].level == 1) {
-            for food in world.animals[territory.species].diet.iter().map(|item| item.food) {
-                let nodes: Vec<_> = (0..rag.nodes.len())
-                    .map(|n| &rag.nodes[n])
-                    .filter(|n| n.level == 1 && n.resource == Resource::Food(food))
-                    .collect();
-                let mine =
-                    territory.nodes.iter().map(|n| &rag.nodes[*n]).filter(|n| n.resource == Resource::Food(food));
-                let of_region: f64 = mine.map(|n| n.quantity_kg).sum();
-                let Food::Plant(p) = food else { continue };
-                let by_cell = |n: &&biotope::compute::ecosystem::rag::Node| {
-                    let inside = |c: &usize| solved.regions.region(territory.species, *c) == Some(territory.region);
-                    n.area.cells().filter(inside).map(|c| f64::from(world.growth[p].data[c])).sum::<f64>()
+            assert!(territory.nodes.len() <= world.options.nodes.max_nodes.max(1));
+            for plant in 0..world.plants.len() {
+                let is_food = |n: &&Node| n.resource == Resource::Food(Food::Plant(plant));
+                let nodes: Vec<&Node> = territory.nodes.iter().map(|n| &rag.nodes[*n]).filter(is_food).collect();
+                let grown = |cells: &[usize]| {
+                    cells.iter().map(|c| f64::from(world.growth[plant].data[*c])).sum::<f64>()
+                        * world.plants[plant].offtake
                 };
-                let expected: f64 = nodes.iter().map(by_cell).sum::<f64>() * world.plants[p].offtake;
-                assert!((of_region - expected).abs() <= 1e-6 * expected.max(1.0), "{of_region} {expected}");
+                for node in &nodes {
+                    let (found, offered) = (grown(&node.area.cells().collect::<Vec<usize>>()), node.quantity_kg);
+                    assert!((found - offered).abs() <= 1e-6 * found, "{found} {offered}");
+                }
                 let mut cells: Vec<usize> = nodes.iter().flat_map(|n| n.area.cells()).collect();
                 let count = cells.len();
                 cells.sort_unstable();
                 cells.dedup();
                 assert_eq!(count, cells.len());
+                if world.options.nodes.max_nodes == 400 && world.options.nodes.min_area_m2 < world.grid().cell_area_m2()
+                {
+                    let home = Some(territory.region);
+                    let all: Vec<usize> = (0..world.grid().len())
+                        .filter(|c| solved.regions.region(territory.species, *c) == home)
+                        .filter(|c| world.growth[plant].data[*c] > 0.0)
+                        .collect();
+                    assert!(cells == all, "q(r, C) counts every cell: {} of {}", cells.len(), all.len());
+                    whole += 1;
+                }
             }
-            assert!(territory.nodes.len() <= world.options.nodes.max_nodes.max(1));
         }
     }
+    assert!(whole > 0);
 }
 
 #[test]

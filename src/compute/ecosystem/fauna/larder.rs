@@ -102,7 +102,13 @@ mod tests {
     use crate::compute::ecosystem::species::Food;
 
     fn larder(kg: &[f64], season: &[f64]) -> Larder {
-        let pool = |kg: &f64| Pool { resource: Resource::Food(Food::Plant(0)), parts: vec![0], nodes: 0..0, kg: *kg };
+        let pool = |kg: &f64| Pool {
+            resource: Resource::Food(Food::Plant(0)),
+            parts: vec![0],
+            nodes: 0..0,
+            kg: *kg,
+            users: Vec::new(),
+        };
         Larder::new(&kg.iter().map(pool).collect::<Vec<Pool>>(), |_| season.to_vec())
     }
 

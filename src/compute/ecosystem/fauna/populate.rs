@@ -262,12 +262,10 @@ fn habitats(world: &Habitable<'_>, options: &FaunaOptions, species: &[usize], po
             individuals: 0,
         }));
         for (p, pool) in pools.iter().enumerate() {
-            let part = pool.parts.first().map(|part| *part as usize);
-            let Some(region) = part.and_then(|part| world.regions.region_of_part(s, part)) else { continue };
+            let Some((_, region)) = pool.users.iter().find(|(user, _)| *user == s) else { continue };
             let home: &mut Habitat = &mut homes[first + region];
             match pool.resource {
-                Resource::Water if animal.needs_water => home.banks.push(p),
-                Resource::Water => {}
+                Resource::Water => home.banks.push(p),
                 Resource::Food(food) => {
                     let liked = animal.diet.iter().filter(|d| d.food == food && d.preference > 0.0);
                     home.dishes.extend(liked.take(1).map(|d| Dish { pool: p, preference: d.preference }));

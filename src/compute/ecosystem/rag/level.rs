@@ -10,6 +10,7 @@ use super::field::Field;
 use super::patches::patches_of;
 use super::pools::Group;
 use super::pools::Pool;
+use super::pools::Reach;
 use super::pools::allot;
 use super::pools::groups_of;
 use crate::compute::ecosystem::regions::NOWHERE;
@@ -63,7 +64,7 @@ pub(crate) fn level_nodes(
     let groups = plan(offers, &atoms, regions, options);
     let min_cells = min_cells(regions, options);
     let of_offer = |o: usize| groups.iter().filter(move |g| g.resource == o);
-    let made: Vec<Made> = (0..offers.len())
+    let made: Vec<Made<'_>> = (0..offers.len())
         .into_par_iter()
         .map(|o| make(&offers[o], &atoms[o], of_offer(o), (regions, min_cells), run))
         .collect::<Result<_, _>>()?;
@@ -84,15 +85,15 @@ fn plan(offers: &[Offer<'_>], atoms: &[Atoms], regions: &Regions, options: &Node
         .flat_map(|o| groups_of(o, &atoms[o], count(&offers[o])))
         .filter(|g| kinds[g.resource] == Resource::Water || g.cells >= least)
         .collect();
-    let territories = territories(offers, &groups, regions);
-    allot(&mut groups, &kinds, &territories, options);
+    let reach = reach(offers, &groups, regions);
+    allot(&mut groups, &kinds, &reach, options);
     groups.retain(|group| group.nodes > 0);
     groups
 }
 
 /// For each species and region, the groups it can use.
-fn territories(offers: &[Offer<'_>], groups: &[Group], regions: &Regions) -> Vec<Vec<usize>> {
-    let mut lists: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
+fn reach(offers: &[Offer<'_>], groups: &[Group], regions: &Regions) -> Reach {
+    let mut lists = Reach::new();
     for (g, group) in groups.iter().enumerate() {
         let offer = &offers[group.resource];
         let Some(part) = offer.field.group.iter().position(|n| *n == group.group) else { continue };
@@ -102,14 +103,14 @@ fn territories(offers: &[Offer<'_>], groups: &[Group], regions: &Regions) -> Vec
             }
         }
     }
-    lists.into_values().collect()
+    lists
 }
 
 /// The nodes of one offer, group by group.
-struct Made {
+struct Made<'a> {
     pieces: Vec<Piece>,
-    /// Number of the group, and how many of the pieces are its.
-    groups: Vec<(u32, usize)>,
+    /// Each group, and how many of the pieces are its.
+    groups: Vec<(&'a Group, usize)>,
 }
 
 /// A node in the making.
@@ -130,7 +131,7 @@ fn make<'g>(
     groups: impl Iterator<Item = &'g Group>,
     (regions, min_cells): (&Regions, u32),
     run: &Run,
-) -> Result<Made, Stopped> {
+) -> Result<Made<'g>, Stopped> {
     let mut made = Made { pieces: Vec::new(), groups: Vec::new() };
     let mut piece_of_atom = vec![NOWHERE; atoms.atoms.len()];
     for group in groups {
@@ -146,7 +147,7 @@ fn make<'g>(
             piece.columns += atom.columns;
             piece.rows += atom.rows;
         }
-        made.groups.push((group.group, count));
+        made.groups.push((group, count));
     }
     outline(offer, atoms, &piece_of_atom, (regions, &mut made.pieces), run)?;
     Ok(made)
@@ -193,14 +194,19 @@ impl Piece {
     }
 }
 
-fn assemble(offers: &[Offer<'_>], made: Vec<Made>, regions: &Regions, (level, first): (usize, usize)) -> LevelNodes {
+fn assemble(
+    offers: &[Offer<'_>],
+    made: Vec<Made<'_>>,
+    regions: &Regions,
+    (level, first): (usize, usize),
+) -> LevelNodes {
     let grid = regions.grid();
     let mut out = LevelNodes { nodes: Vec::new(), pools: Vec::new() };
     for (offer, made) in offers.iter().zip(made) {
         let mut pieces = made.pieces.into_iter();
         for (group, count) in made.groups {
             let start = first + out.nodes.len();
-            let of_group = |(part, g): (usize, &u32)| (*g == group).then_some(part as u32);
+            let of_group = |(part, g): (usize, &u32)| (*g == group.group).then_some(part as u32);
             let parts = offer.field.group.iter().enumerate().filter_map(of_group).collect();
             let mut kg = 0.0;
             for piece in pieces.by_ref().take(count) {
@@ -218,7 +224,8 @@ fn assemble(offers: &[Offer<'_>], made: Vec<Made>, regions: &Regions, (level, fi
                     below: Vec::new(),
                 });
             }
-            out.pools.push(Pool { resource: offer.resource, parts, nodes: start..first + out.nodes.len(), kg });
+            let (nodes, users) = (start..first + out.nodes.len(), group.users.clone());
+            out.pools.push(Pool { resource: offer.resource, parts, nodes, kg, users });
         }
     }
     out
