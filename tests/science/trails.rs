@@ -37,10 +37,6 @@ fn made(world: &World, options: &Options) -> Trails {
     trails(&world.habitat(), options, &Run::silent()).unwrap()
 }
 
-fn all() -> Options {
-    Options { kept_share: 1.0, ..Options::default() }
-}
-
 /// The sum of `of` × length over all stretches.
 fn walked(trails: &Trails, of: impl Fn(&Stretch) -> f64) -> f64 {
     let length = |points: &[Point]| points.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
@@ -70,7 +66,7 @@ fn presence_sums_to_one_and_so_do_the_next_places() {
 #[test]
 fn usage_times_area_is_traffic_times_length() {
     let world = valley();
-    let trails = made(&world, &all());
+    let trails = made(&world, &Options::default());
     assert!(trails.without_way == 0 && (trails.kept_share - 1.0).abs() < 1e-9);
     let traffic = walked(&trails, |s| s.kg_per_year);
     assert!((sum(&trails.usage) / traffic - 1.0).abs() < 1e-4, "{} {traffic}", sum(&trails.usage));
@@ -84,7 +80,7 @@ fn usage_times_area_is_traffic_times_length() {
 #[test]
 fn lines_stay_on_ground_that_their_walkers_can_stand_on() {
     let world = valley();
-    let trails = made(&world, &all());
+    let trails = made(&world, &Options::default());
     for line in &trails.lines {
         for w in line.points.windows(2) {
             for k in 0..20 {
@@ -98,7 +94,7 @@ fn lines_stay_on_ground_that_their_walkers_can_stand_on() {
 #[test]
 fn all_that_crosses_the_river_makes_the_ford_the_busiest_place() {
     let world = valley();
-    let trails = made(&world, &all());
+    let trails = made(&world, &Options::default());
     let ford = trails.usage.get(40, 45);
     let busier = trails.usage.data.iter().filter(|v| **v > ford * 1.3).count();
     assert!(ford > 0.0 && busier < 20, "{busier}");
@@ -109,7 +105,7 @@ fn all_that_crosses_the_river_makes_the_ford_the_busiest_place() {
 #[test]
 fn every_two_nodes_with_traffic_are_joined_by_the_lines() {
     let world = valley();
-    let trails = made(&world, &all());
+    let trails = made(&world, &Options::default());
     let near = |p: Point| trails.lines.iter().flat_map(|l| &l.points).any(|q| q.distance(p) < 1e-9);
     assert!(world.rag.nodes.iter().all(|node| near(node.place)));
     assert!(trails.lines.iter().flat_map(|l| &l.stretches).all(|s| {
@@ -125,12 +121,13 @@ fn trails_of_many_meadows_share_main_trails() {
         .fold(World::plain(70).with_animal(deer()), |world, at| world.with_node(MEADOW, at, 2, 1e4))
         .with_node(Resource::Water, (5, 30), 1, 0.0)
         .settled(0, &[12]);
-    let length = |attraction: f64| {
-        let trails = made(&world, &Options { attraction, kept_share: 1.0, ..Options::default() });
+    let length = |attraction: f64, detour: f64| {
+        let trails = made(&world, &Options { attraction, detour, ..Options::default() });
         trails.lines.iter().map(|line| line.length_m()).sum::<f64>()
     };
-    let (apart, shared) = (length(0.0), length(0.6));
-    assert!(shared < 0.8 * apart, "{shared} {apart}");
+    let (apart, drawn, shared) = (length(0.0, 1.0), length(0.6, 1.0), length(0.6, 1.2));
+    assert!(drawn < 0.8 * apart, "{drawn} {apart}");
+    assert!(shared < 0.8 * drawn, "{shared} {drawn}");
 }
 
 #[test]
@@ -142,7 +139,7 @@ fn only_goats_wear_a_trail_over_the_cliff() {
             .settled(0, &[10])
     };
     let over = |world: &World| {
-        let trails = made(world, &all());
+        let trails = made(world, &Options::default());
         (0..40).any(|row| trails.usage.get(30, row) > 0.0)
     };
     assert!(over(&world(goat())));
@@ -152,7 +149,7 @@ fn only_goats_wear_a_trail_over_the_cliff() {
 #[test]
 fn trails_are_carved_and_cleared_in_proportion_to_their_width_in_the_cell() {
     let world = valley();
-    let trails = made(&world, &all());
+    let trails = made(&world, &Options::default());
     let lowered = carved(&world.height, &trails);
     for cell in 0..world.grid.len() {
         let depth = world.height.data[cell] - lowered.data[cell];
@@ -191,7 +188,7 @@ proptest! {
     fn on_random_ground_traffic_is_conserved_and_closed_ground_untouched(
         places in prop::collection::vec((0usize..30, 0usize..30), 3..8),
         lakes in prop::collection::vec((0usize..30, 0usize..30), 0..5),
-        share in 0.3..1.0f64,
+        detour in 1.0..2.0f64,
     ) {
         let wet = |column: usize, row: usize| {
             lakes.iter().any(|l| l.0.abs_diff(column) + l.1.abs_diff(row) < 4)
@@ -201,8 +198,8 @@ proptest! {
             world.with_node(if i == 0 { Resource::Water } else { MEADOW }, at, 1, 1e3)
         });
         let world = world.settled(0, &[9]);
-        let trails = made(&world, &Options { kept_share: share, ..Options::default() });
-        prop_assert!(trails.kept_share >= share - 1e-9 && trails.without_way == 0);
+        let trails = made(&world, &Options { detour, ..Options::default() });
+        prop_assert!((trails.kept_share - 1.0).abs() < 1e-9 && trails.without_way == 0);
         let traffic = walked(&trails, |s| s.kg_per_year);
         prop_assert!((sum(&trails.usage) - traffic).abs() <= 1e-4 * traffic);
         for cell in 0..world.grid.len() {

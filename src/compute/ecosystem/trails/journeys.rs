@@ -1,5 +1,6 @@
 //! Who walks between which nodes, and how much (L equation 3).
 
+use super::spanner::carried;
 use crate::compute::ecosystem::presence::Drinking;
 use crate::compute::ecosystem::presence::onward;
 use crate::compute::ecosystem::presence::presence;
@@ -35,7 +36,7 @@ impl Journey {
     }
 }
 
-/// The journeys worth a trail.
+/// The journeys that wear trails.
 pub(crate) struct Journeys {
     /// From the heaviest down; ties by territory and nodes.
     pub(crate) list: Vec<Journey>,
@@ -47,27 +48,32 @@ pub(crate) struct Journeys {
 pub(crate) struct Choice {
     pub(crate) drinking: Drinking,
     pub(crate) stay_s: f64,
-    pub(crate) kept_share: f64,
+    pub(crate) detour: f64,
     pub(crate) most: usize,
 }
 
-/// L equation 3 for every pair of nodes of every territory where animals live, the heaviest of
-/// each territory down to `kept_share` of its weight, at most `most` in all.
+/// L equation 3 for every pair of nodes of every territory where animals live, carried over the
+/// edges of the territory's [`carried`] spanner; the heaviest `most` of these.
 ///
 /// Equation 3 weighs an edge by m · ‖s‖ · (P(v)P(v'|v) + P(v')P(v|v')), the mass that takes it in
 /// one move. Times the moves a year (days × active time over the mean stay and way) it is in kg a
 /// year, as the text means it ("the total mass that travelled during a year"). The sum over
 /// species is made on the ground, where the ways of all species meet.
 pub(crate) fn journeys(rag: &Rag, animals: &[AnimalSpecies], choice: &Choice, run: &Run) -> Result<Journeys, Stopped> {
-    let of_territory = |i: usize| run.check().map(|()| kept(weigh(rag, animals, i, choice), choice.kept_share));
-    let parts: Vec<(Vec<Journey>, f64)> =
-        (0..rag.territories.len()).into_par_iter().map(of_territory).collect::<Result<_, _>>()?;
-    let total: f64 = parts.iter().map(|part| part.1).sum();
-    let mut list: Vec<Journey> = parts.into_iter().flat_map(|part| part.0).collect();
-    sort(&mut list);
+    let of_territory = |i: usize| {
+        run.check()?;
+        Ok(carried(&rag.territories[i], &weigh(rag, animals, i, choice), choice.detour))
+    };
+    let parts: Vec<Vec<Journey>> =
+        (0..rag.territories.len()).into_par_iter().map(of_territory).collect::<Result<_, Stopped>>()?;
+    let mut list = parts.concat();
+    let place = |j: &Journey| (j.territory, j.from, j.to);
+    list.sort_unstable_by(|a, b| b.weight().total_cmp(&a.weight()).then_with(|| place(a).cmp(&place(b))));
+    let sum = |list: &[Journey]| list.iter().map(Journey::weight).sum::<f64>();
+    let total = sum(&list);
     list.truncate(choice.most);
-    let sum: f64 = list.iter().map(Journey::weight).sum();
-    Ok(Journeys { list, kept_share: if total > 0.0 { sum / total } else { 1.0 } })
+    let kept_share = if total > 0.0 { sum(&list) / total } else { 1.0 };
+    Ok(Journeys { list, kept_share })
 }
 
 fn weigh(rag: &Rag, animals: &[AnimalSpecies], index: usize, choice: &Choice) -> Vec<Journey> {
@@ -103,22 +109,4 @@ fn moves_a_year(territory: &Territory, species: &AnimalSpecies, (at, next): (&[f
         }
     }
     DAYS * species.active_s / (stay_s + way_s)
-}
-
-/// The heaviest down to `share` of the weight, and the weight of all.
-fn kept(mut journeys: Vec<Journey>, share: f64) -> (Vec<Journey>, f64) {
-    sort(&mut journeys);
-    let total: f64 = journeys.iter().map(Journey::weight).sum();
-    let mut sum = 0.0;
-    journeys.retain(|journey| {
-        let wanted = sum < share * total;
-        sum += journey.weight();
-        wanted
-    });
-    (journeys, total)
-}
-
-fn sort(journeys: &mut [Journey]) {
-    let place = |j: &Journey| (j.territory, j.from, j.to);
-    journeys.sort_unstable_by(|a, b| b.weight().total_cmp(&a.weight()).then_with(|| place(a).cmp(&place(b))));
 }
