@@ -175,7 +175,7 @@ impl World {
 
     /// What the trail and planning stages take.
     pub fn habitat(&self) -> Habitat<'_> {
-        Habitat { grid: &self.grid, rag: &self.rag, animals: &self.animals, ways: self }
+        Habitat { grid: &self.grid, rag: &self.rag, animals: &self.animals, ways: self, paths: None }
     }
 
     fn cell(&self, node: usize) -> usize {

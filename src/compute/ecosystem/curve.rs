@@ -84,16 +84,49 @@ impl Ground<'_> {
         squared
     }
 
-    /// Seconds from the first cell to each.
-    pub(crate) fn clock(&self, species: usize, cells: &[u32]) -> Vec<f64> {
-        let mut now = 0.0;
+    /// The course made smooth, with the time at each point: each piece keeps the slowness of the
+    /// step it came from, a closed one (which a search passes by a longer step) counts 1 s/m.
+    pub(crate) fn walk(&self, species: usize, cells: &[u32]) -> Walk {
+        let centres: Vec<Point> = cells.iter().map(|&cell| self.grid.centre(cell as usize)).collect();
+        let mut points = centres.clone();
+        let last = points.len().saturating_sub(1);
+        let clear = |_, p, q| self.clear(species, p, q);
+        relax(&mut points, rounds(self.grid.cell_m), |i| i == 0 || i == last, clear);
         let mut at = vec![0.0];
-        for w in cells.windows(2) {
-            now += self.ways.step_s(species, w[0] as usize, w[1] as usize);
-            at.push(now);
+        for (i, w) in cells.windows(2).enumerate() {
+            let seconds = self.ways.step_s(species, w[0] as usize, w[1] as usize);
+            let slowness = if seconds.is_finite() { seconds / centres[i].distance(centres[i + 1]) } else { 1.0 };
+            at.push(at[i] + slowness * points[i].distance(points[i + 1]));
         }
-        at
+        Walk { points, at }
     }
+}
+
+/// A course in time.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Walk {
+    pub(crate) points: Vec<Point>,
+    /// Seconds from the start to each point, ascending.
+    pub(crate) at: Vec<f64>,
+}
+
+impl Walk {
+    /// How long it takes.
+    pub(crate) fn seconds(&self) -> f64 {
+        self.at[self.at.len() - 1]
+    }
+}
+
+/// How far along a line it is smoothed: the standard deviation of the B-spline's kernel, metres,
+/// but at least and at most so many cells (ours: takes out the directions of the grid and the
+/// corners where routes part, keeps the bends of a valley).
+const SMOOTH_M: f64 = 6.0;
+const SMOOTH_CELLS: (f64, f64) = (2.5, 6.0);
+
+/// Rounds of averaging (variance ½ each; see [`relax`]) that give this deviation.
+pub(crate) fn rounds(cell_m: f64) -> usize {
+    let cells = (SMOOTH_M / cell_m).clamp(SMOOTH_CELLS.0, SMOOTH_CELLS.1);
+    (2.0 * cells * cells).ceil() as usize
 }
 
 /// The farthest place after `from`, up to `last`, at which `attempt` was seen to succeed, by

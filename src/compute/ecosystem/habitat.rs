@@ -1,5 +1,6 @@
 //! A terrain with its animals in place: what trails and plannings are made from.
 
+use super::paths::Paths;
 use super::rag::Rag;
 use super::species::AnimalSpecies;
 use super::ways::Ways;
@@ -16,4 +17,6 @@ pub struct Habitat<'a> {
     pub animals: &'a [AnimalSpecies],
     /// How they walk.
     pub ways: &'a dyn Ways,
+    /// Where trails lead, once they are known: there herds keep to them.
+    pub paths: Option<&'a Paths>,
 }

@@ -23,6 +23,7 @@ pub mod fitness;
 pub mod flora;
 pub mod food_chain;
 pub mod habitat;
+pub mod paths;
 pub mod planning;
 pub mod presence;
 pub mod rag;

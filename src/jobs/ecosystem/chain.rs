@@ -201,7 +201,7 @@ impl Chain {
         let (animals, country) = (&request.animals.species, roads.country);
         let parameters = (&request.inputs.animals, &request.inputs.competition, &request.inputs.climate, context.seed);
         let inputs = digest(&[&country.digest], &parameters)?;
-        let key = Stage { name: "animals.competition", version: 1, inputs };
+        let key = Stage { name: "animals.competition", version: 2, inputs };
         let population = stage(context, key, || {
             let growth = Growth { request, plants };
             let habitable = Habitable {
@@ -233,12 +233,15 @@ impl Chain {
         roads: &Roads<'_>,
         wildlife: &Wildlife,
     ) -> Result<Trails, Failure> {
-        let parameters = (&request.inputs.trails, context.seed);
-        let key = Stage { name: "trails", version: 1, inputs: digest(&[&wildlife.digest], &parameters)? };
-        stage(context, key, || {
+        stage(context, Self::trails_stage(context, request, wildlife)?, || {
             let habitat = habitat(request, wildlife, roads.travel(&context.run)?);
             Ok(trails::trails(&habitat, &trails_options(context, request), &context.run)?)
         })
+    }
+
+    fn trails_stage(context: &JobContext<'_>, request: &Request, wildlife: &Wildlife) -> Result<Stage, Failure> {
+        let parameters = (&request.inputs.trails, context.seed);
+        Ok(Stage { name: "trails", version: 2, inputs: digest(&[&wildlife.digest], &parameters)? })
     }
 
     /// What grows beside the trails: the plants under them are removed (L 6.1). Not stored: one
@@ -254,17 +257,19 @@ impl Chain {
         flora::clear(&context.run, &request.plants.species, ground, worn, &options).map_err(flora_failure)
     }
 
-    /// Stage 8: what each herd does all day. The paths are made from the plannings when asked for.
+    /// Stage 8: what each herd does all day, on the trails where these lead.
     pub fn plannings(
         context: &JobContext<'_>,
         request: &Request,
         (land, roads): (&Land, &Roads<'_>),
-        wildlife: &Wildlife,
+        (wildlife, trails): (&Wildlife, &Trails),
     ) -> Result<Days, Failure> {
         let parameters = (&request.inputs.planning, context.seed);
-        let key = Stage { name: "planning", version: 1, inputs: digest(&[&wildlife.digest], &parameters)? };
+        let trodden = Self::trails_stage(context, request, wildlife)?.digest();
+        let key = Stage { name: "planning", version: 2, inputs: digest(&[&trodden], &parameters)? };
         stage(context, key, || {
-            let habitat = habitat(request, wildlife, roads.travel(&context.run)?);
+            let habitat =
+                Habitat { paths: Some(&trails.paths), ..habitat(request, wildlife, roads.travel(&context.run)?) };
             let options = planning_options(context, request);
             let mut plannings = planning::plannings(&habitat, &options, &context.run)?;
             let conflicts = edit(context, request, &habitat, (&mut plannings, &options))?;
@@ -348,6 +353,7 @@ fn habitat<'a>(request: &'a Request, wildlife: &'a Wildlife, travel: &'a Travel<
         rag: &wildlife.population.rag,
         animals: &request.animals.species,
         ways: travel,
+        paths: None,
     }
 }
 

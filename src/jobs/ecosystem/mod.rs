@@ -177,7 +177,7 @@ impl Job for EcosystemJob {
         let left = Chain::beside_trails(context, &request, (&climate, &plants), &trails)?;
         maps(context, &request).plants(&request, &left)?;
         // 8. What each herd does all day.
-        let days = Chain::plannings(context, &request, (&land, &roads), &wildlife)?;
+        let days = Chain::plannings(context, &request, (&land, &roads), (&wildlife, &trails))?;
         life::herds(context, &request, &days.plannings.herds)?;
         life::plannings(context, &request, &wildlife, &days)?;
         // 9. What the experts look at.

@@ -19,6 +19,8 @@ use crate::compute::ecosystem::flora::Painted;
 use crate::compute::ecosystem::flora::Reached;
 use crate::compute::ecosystem::flora::Shortfall;
 use crate::compute::ecosystem::flora::Total;
+use crate::compute::ecosystem::paths::Path;
+use crate::compute::ecosystem::paths::Paths;
 use crate::compute::ecosystem::planning;
 use crate::compute::ecosystem::planning::Activity;
 use crate::compute::ecosystem::planning::Herd;
@@ -538,13 +540,16 @@ impl Stored for Trails {
         for map in [&self.usage, &self.worn, &self.carving_m] {
             write_f32(w, map);
         }
+        w.list(self.paths.list(), |w, path| w.u64(path.species as u64).f64(path.seconds).u32s(&path.cells));
         w.f64(self.kept_share).u64(self.without_way as u64);
     }
 
     fn read(r: &mut Reader<'_>) -> Result<Self, binary::Error> {
         let lines = r.list(|r| Ok(Trail { points: read_points(r)?, stretches: r.list(read_stretch)? }))?;
         let (usage, worn, carving_m) = (read_f32(r)?, read_f32(r)?, read_f32(r)?);
-        Ok(Self { lines, usage, worn, carving_m, kept_share: r.f64()?, without_way: r.u64()? as usize })
+        let path = |r: &mut Reader<'_>| Ok(Path { species: r.u64()? as usize, seconds: r.f64()?, cells: r.u32s()? });
+        let paths = Paths::new(r.list(path)?);
+        Ok(Self { lines, usage, worn, carving_m, paths, kept_share: r.f64()?, without_way: r.u64()? as usize })
     }
 }
 

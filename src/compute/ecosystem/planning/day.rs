@@ -59,7 +59,7 @@ pub(crate) struct Home<'a> {
 
 impl<'a> Home<'a> {
     pub(crate) fn new(scene: &Scene<'a>, territory: usize, run: &'a Run) -> Self {
-        let Habitat { rag, animals, ways, .. } = *scene.habitat;
+        let Habitat { rag, animals, .. } = *scene.habitat;
         let home = &rag.territories[territory];
         let prey: Vec<Vec<usize>> = home.nodes.iter().map(|&n| prey_at(n, scene.herds, rag)).collect();
         let haunts = prey.iter().flatten().flat_map(|&h| scene.days[h].visits.iter().map(|visit| visit.cell));
@@ -69,7 +69,7 @@ impl<'a> Home<'a> {
         Self {
             nodes: &home.nodes,
             presence: presence(rag, home, &animals[home.species], &scene.options.drinking),
-            reach: Reach::new((rag, ways), home, &haunts, run),
+            reach: Reach::new(scene.habitat, home, &haunts, run),
             prey,
         }
     }

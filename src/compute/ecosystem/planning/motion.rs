@@ -6,7 +6,7 @@ use super::Planning;
 use super::Plannings;
 use super::Visit;
 use crate::compute::ecosystem::curve::Ground;
-use crate::compute::ecosystem::curve::relax;
+use crate::compute::ecosystem::curve::Walk;
 use crate::compute::ecosystem::habitat::Habitat;
 use crate::compute::ecosystem::ways::Way;
 use crate::compute::geometry::Point;
@@ -14,9 +14,6 @@ use crate::compute::raster::Raster;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use rayon::prelude::*;
-
-/// Rounds of averaging that smooth a way (see `curve::relax`).
-const ROUNDS: usize = 10;
 
 /// At which moments a path is wanted, and over which ground.
 #[derive(Debug, Clone, Copy)]
@@ -42,20 +39,13 @@ pub struct Track {
     pub heights_m: Vec<f32>,
 }
 
-/// A way from one cell to another, with the time at each point.
-struct Leg {
-    points: Vec<Point>,
-    /// Seconds since departure, ascending.
-    at: Vec<f64>,
-}
-
 /// What a leg is known by: species, from, to.
 type Trip = (usize, usize, usize);
 
 /// The paths of the herds in `chosen` (indices in [`Plannings::herds`]), in that order, over one
-/// active day and the rest after it. Between stays a herd follows the quickest way, made straight
-/// where that is as quick and smooth where the ground is open; it is never on a closed cell and
-/// moves at the speed the ground allows. Reports as `planning.tracks`.
+/// active day and the rest after it. Between stays a herd follows the trails where these lead
+/// ([`Habitat::paths`]), else the quickest way, made straight where that is as quick; smooth where
+/// the ground is open. It is never on a closed cell and moves at the speed the ground allows. Reports as `planning.tracks`.
 ///
 /// # Errors
 /// [`Stopped`] when the run was asked to stop.
@@ -85,51 +75,44 @@ fn trips(species: usize, day: &Planning) -> Vec<Trip> {
     day.visits.windows(2).filter_map(trip).collect()
 }
 
-/// The legs of sorted trips; one search per species and source.
-fn legs(habitat: &Habitat, trips: &[Trip], run: &Run) -> Result<Vec<Option<Leg>>, Stopped> {
+/// The legs of sorted trips: over the trails where these lead, else the quickest way; one search
+/// per species and source.
+fn legs(habitat: &Habitat, trips: &[Trip], run: &Run) -> Result<Vec<Option<Walk>>, Stopped> {
     let ground = Ground { grid: habitat.grid, ways: habitat.ways };
     let sources: Vec<&[Trip]> = trips.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).collect();
-    let walked = |way: &Way| way.cells.len() > 1;
     let search = |trips: &&[Trip]| {
+        run.check()?;
         let (species, from, _) = trips[0];
-        let targets: Vec<usize> = trips.iter().map(|trip| trip.2).collect();
-        let ways = habitat.ways.ways(species, from, &targets, run)?;
-        Ok(ways
-            .into_iter()
-            .map(|way| way.filter(walked).map(|way| leg(species, &way, &ground)))
-            .collect::<Vec<Option<Leg>>>())
+        let trodden = |trip: &Trip| {
+            let way = habitat.paths?.way(species, from, trip.2)?;
+            Some(ground.walk(species, &way.cells))
+        };
+        let mut legs: Vec<Option<Walk>> = trips.iter().map(trodden).collect();
+        let left: Vec<usize> = (0..trips.len()).filter(|&i| legs[i].is_none()).collect();
+        if !left.is_empty() {
+            let targets: Vec<usize> = left.iter().map(|&i| trips[i].2).collect();
+            let ways = habitat.ways.ways(species, from, &targets, run)?;
+            left.into_iter().zip(ways).for_each(|(i, way)| legs[i] = way.map(|way| leg(species, &way, &ground)));
+        }
+        Ok(legs)
     };
-    let found: Vec<Vec<Option<Leg>>> = sources.par_iter().map(search).collect::<Result<_, Stopped>>()?;
+    let found: Vec<Vec<Option<Walk>>> = sources.par_iter().map(search).collect::<Result<_, Stopped>>()?;
     Ok(found.into_iter().flatten().collect())
 }
 
-/// A way made straight and smooth. Each piece keeps the slowness of the step it came from, and all
-/// are scaled so that the leg takes as long as the way.
-fn leg(species: usize, way: &Way, ground: &Ground) -> Leg {
-    let cells = ground.straightened(species, way);
-    let steps = ground.clock(species, &cells);
-    let centres: Vec<Point> = cells.iter().map(|&cell| ground.grid.centre(cell as usize)).collect();
-    let mut points = centres.clone();
-    let last = points.len() - 1;
-    relax(&mut points, ROUNDS, |i| i == 0 || i == last, |_, p, q| ground.clear(species, p, q));
-    // Where the clock misses what the search knows (a ford), speed is even.
-    let known = steps[last].is_finite();
-    let mut at = vec![0.0];
-    for i in 0..last {
-        let (length, before) = (points[i].distance(points[i + 1]), centres[i].distance(centres[i + 1]));
-        let slowness = if known { (steps[i + 1] - steps[i]) / before } else { 1.0 };
-        at.push(at[i] + slowness * length);
-    }
-    let scale = if at[last] > 0.0 { way.seconds / at[last] } else { 0.0 };
-    at.iter_mut().for_each(|seconds| *seconds *= scale);
-    Leg { points, at }
+/// A way made straight and smooth, scaled to take as long as the way does.
+fn leg(species: usize, way: &Way, ground: &Ground) -> Walk {
+    let mut walk = ground.walk(species, &ground.straightened(species, way));
+    let scale = if walk.seconds() > 0.0 { way.seconds / walk.seconds() } else { 0.0 };
+    walk.at.iter_mut().for_each(|seconds| *seconds *= scale);
+    walk
 }
 
 fn track<'l>(
     herd: usize,
     plannings: &Plannings,
     pace: Pace,
-    (habitat, leg): (&Habitat, &dyn Fn(Trip) -> Option<&'l Leg>),
+    (habitat, leg): (&Habitat, &dyn Fn(Trip) -> Option<&'l Walk>),
 ) -> Track {
     let visits = &plannings.days[herd].visits;
     let species = plannings.herds[herd].species;
@@ -142,7 +125,7 @@ fn track<'l>(
         let next = visits.get(last + 1).filter(|next| now > here.leave_s && next.cell != here.cell);
         let on_leg = next.and_then(|next| leg((species, here.cell, next.cell)).map(|leg| (leg, next)));
         on_leg.map_or(habitat.grid.centre(here.cell), |(leg, next)| {
-            leg.place(now - here.leave_s, next.arrive_s - here.leave_s)
+            on_the_way(leg, now - here.leave_s, next.arrive_s - here.leave_s)
         })
     };
     let steps = if visits.is_empty() { 0 } else { (DAY_S / step_s) as usize + 1 };
@@ -152,18 +135,16 @@ fn track<'l>(
     Track { herd, from_s, step_s, places, heights_m }
 }
 
-impl Leg {
-    /// The place `after` seconds when there are `most` seconds for the whole leg: quicker when
-    /// the way takes longer than planned, at the end when it takes less.
-    fn place(&self, after: f64, most: f64) -> Point {
-        let last = self.at.len() - 1;
-        let hurry = if most > 0.0 { (self.at[last] / most).max(1.0) } else { 1.0 };
-        let clock = after * hurry;
-        let next = self.at.partition_point(|seconds| *seconds <= clock);
-        if next == 0 || next > last {
-            return self.points[next.min(last)];
-        }
-        let (from, to) = (self.at[next - 1], self.at[next]);
-        self.points[next - 1].lerp(self.points[next], (clock - from) / (to - from))
+/// The place on a walk `after` seconds when there are `most` seconds for all of it: quicker when
+/// it takes longer than planned, at the end when it takes less.
+fn on_the_way(walk: &Walk, after: f64, most: f64) -> Point {
+    let (last, points) = (walk.points.len() - 1, &walk.points);
+    let hurry = if most > 0.0 { (walk.seconds() / most).max(1.0) } else { 1.0 };
+    let clock = after * hurry;
+    let next = walk.at.partition_point(|seconds| *seconds <= clock);
+    if next == 0 || next > last {
+        return points[next.min(last)];
     }
+    let (from, to) = (walk.at[next - 1], walk.at[next]);
+    points[next - 1].lerp(points[next], (clock - from) / (to - from))
 }

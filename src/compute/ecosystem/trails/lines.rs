@@ -7,23 +7,12 @@ use super::network::Portion;
 use super::wear::Wear;
 use crate::compute::ecosystem::curve::Ground;
 use crate::compute::ecosystem::curve::relax;
+use crate::compute::ecosystem::curve::rounds;
 use crate::compute::ecosystem::curve::thinned;
 use crate::compute::geometry::Point;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use std::collections::BTreeMap;
-
-/// How far along a line it is smoothed: the standard deviation of the B-spline's kernel, metres,
-/// but at least and at most so many cells (ours: takes out the directions of the grid and the
-/// corners where routes part, keeps the bends of a valley).
-const SMOOTH_M: f64 = 6.0;
-const SMOOTH_CELLS: (f64, f64) = (2.5, 6.0);
-
-/// Rounds of averaging (variance ½ each) that give this deviation.
-fn rounds(cell_m: f64) -> usize {
-    let cells = (SMOOTH_M / cell_m).clamp(SMOOTH_CELLS.0, SMOOTH_CELLS.1);
-    (2.0 * cells * cells).ceil() as usize
-}
 
 /// How far a line may be from the smoothed curve, in cells.
 const TOLERANCE: f64 = 0.05;

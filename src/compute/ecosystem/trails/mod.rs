@@ -20,6 +20,7 @@ pub use wear::Wear;
 
 use super::curve::Ground;
 use super::habitat::Habitat;
+use super::paths::Paths;
 use super::presence::Drinking;
 use crate::compute::geometry::Point;
 use crate::compute::raster::Raster;
@@ -133,6 +134,8 @@ pub struct Trails {
     pub worn: Raster<f32>,
     /// How far the terrain is lowered, metres: depth of the trail × its share of the cell.
     pub carving_m: Raster<f32>,
+    /// What is walked between places next to each other, for the plannings.
+    pub paths: Paths,
     /// The share of the weight of all edges that the trails carry (see [`Options::most_edges`]).
     pub kept_share: f64,
     /// Journeys that found no way although the graph has a time for them.
@@ -150,6 +153,7 @@ pub fn trails(habitat: &Habitat, options: &Options, run: &Run) -> Result<Trails,
     let chosen = journeys::journeys(habitat.rag, habitat.animals, &choice(options), run)?;
     let (mut routes, without_way) = routes::routes(&chosen.list, habitat.rag, &ground, run)?;
     bundle::bundle(&mut routes, &ground, &bending(options, habitat.grid.cell_m), run)?;
+    let paths = routes::paths(&routes, &ground, run)?;
     let portions = network::portions(&routes);
     let chains = network::chains(&portions);
     let stops = network::ends(&routes);
@@ -160,6 +164,7 @@ pub fn trails(habitat: &Habitat, options: &Options, run: &Run) -> Result<Trails,
         usage: maps.usage,
         worn: maps.worn,
         carving_m: maps.carving_m,
+        paths,
         kept_share: chosen.kept_share,
         without_way,
     })

@@ -2,6 +2,8 @@
 
 use super::journeys::Journey;
 use crate::compute::ecosystem::curve::Ground;
+use crate::compute::ecosystem::paths::Path;
+use crate::compute::ecosystem::paths::Paths;
 use crate::compute::ecosystem::rag::Rag;
 use crate::compute::ecosystem::ways::Way;
 use crate::compute::run::Run;
@@ -86,4 +88,20 @@ fn route(leg: &Leg, way: &Way, ground: &Ground) -> Route {
     let both_ways = leg.back.1 > 0.0 && ground.seconds(leg.species, &reversed) <= SAME_WAY * leg.back.0;
     let kg = if both_ways { leg.kg + leg.back.1 } else { leg.kg };
     Route { species: leg.species, cells, kg, both_ways }
+}
+
+/// The routes as they are walked, in each of their directions.
+pub(crate) fn paths(routes: &[Route], ground: &Ground, run: &Run) -> Result<Paths, Stopped> {
+    let of_route = |route: &Route| {
+        run.check()?;
+        let path = |cells: Vec<u32>| {
+            let open = ground.seconds(route.species, &cells).is_finite();
+            let seconds = ground.walk(route.species, &cells).seconds();
+            open.then_some(Path { species: route.species, cells, seconds })
+        };
+        let back = route.both_ways.then(|| path(route.cells.iter().rev().copied().collect())).flatten();
+        Ok(path(route.cells.clone()).into_iter().chain(back).collect())
+    };
+    let found: Vec<Vec<Path>> = routes.par_iter().map(of_route).collect::<Result<_, Stopped>>()?;
+    Ok(Paths::new(found.into_iter().flatten().collect()))
 }
