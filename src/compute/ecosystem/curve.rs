@@ -84,18 +84,28 @@ impl Ground<'_> {
         squared
     }
 
-    /// The course made smooth, with the time at each point: each piece keeps the slowness of the
-    /// step it came from, a closed one (which a search passes by a longer step) counts 1 s/m.
+    /// The course made smooth, with the time at each point.
     pub(crate) fn walk(&self, species: usize, cells: &[u32]) -> Walk {
-        let centres: Vec<Point> = cells.iter().map(|&cell| self.grid.centre(cell as usize)).collect();
-        let mut points = centres.clone();
-        let last = points.len().saturating_sub(1);
-        let clear = |_, p, q| self.clear(species, p, q);
-        relax(&mut points, rounds(self.grid.cell_m), |i| i == 0 || i == last, clear);
+        self.timed(species, cells, self.smoothed(species, cells))
+    }
+
+    /// The centres of the cells made smooth, on open ground; the ends stay.
+    pub(crate) fn smoothed(&self, species: usize, cells: &[u32]) -> Vec<Point> {
+        let mut points: Vec<Point> = cells.iter().map(|&cell| self.grid.centre(cell as usize)).collect();
+        let ends = [0, points.len().saturating_sub(1)];
+        relax(&mut points, smoothing(self.grid.cell_m), |i| ends.contains(&i), |_, p, q| self.clear(species, p, q));
+        points
+    }
+
+    /// The time at each of the points that smoothing made of the cells: each piece keeps the
+    /// slowness of the step it came from, a closed one (which a search passes by a longer step)
+    /// counts 1 s/m.
+    pub(crate) fn timed(&self, species: usize, cells: &[u32], points: Vec<Point>) -> Walk {
         let mut at = vec![0.0];
-        for (i, w) in cells.windows(2).enumerate() {
-            let seconds = self.ways.step_s(species, w[0] as usize, w[1] as usize);
-            let slowness = if seconds.is_finite() { seconds / centres[i].distance(centres[i + 1]) } else { 1.0 };
+        for (i, w) in cells.windows(2).map(|w| [w[0] as usize, w[1] as usize]).enumerate() {
+            let seconds = self.ways.step_s(species, w[0], w[1]);
+            let before = self.grid.centre(w[0]).distance(self.grid.centre(w[1]));
+            let slowness = if seconds.is_finite() { seconds / before } else { 1.0 };
             at.push(at[i] + slowness * points[i].distance(points[i + 1]));
         }
         Walk { points, at }
@@ -123,10 +133,9 @@ impl Walk {
 const SMOOTH_M: f64 = 6.0;
 const SMOOTH_CELLS: (f64, f64) = (2.5, 6.0);
 
-/// Rounds of averaging (variance ½ each; see [`relax`]) that give this deviation.
-pub(crate) fn rounds(cell_m: f64) -> usize {
-    let cells = (SMOOTH_M / cell_m).clamp(SMOOTH_CELLS.0, SMOOTH_CELLS.1);
-    (2.0 * cells * cells).ceil() as usize
+/// The variance of that kernel, cells².
+pub(crate) fn smoothing(cell_m: f64) -> f64 {
+    (SMOOTH_M / cell_m).clamp(SMOOTH_CELLS.0, SMOOTH_CELLS.1).powi(2)
 }
 
 /// The farthest place after `from`, up to `last`, at which `attempt` was seen to succeed, by
@@ -201,33 +210,65 @@ fn crossed_cells(grid: &Grid, p: Point, q: Point, keep: impl Fn(usize) -> bool) 
 /// The share of the way to the middle of its neighbours that a point goes, or what is free of it.
 const MOVES: [f64; 3] = [0.5, 0.2, 0.05];
 
-/// Smooths a curve by `rounds` of averaging each point with its neighbours: the knots of a
-/// B-spline of degree 2 × `rounds` over the points (Lane and Riesenfeld 1980). A point moves
-/// only when it is not `pinned` and both segments beside it stay `clear`, which is asked with the
-/// index of the segment's first point; so a curve over open cells stays on open cells.
+/// How far apart the neighbours are at most whose middle a point moves to.
+const STRIDE: usize = 4;
+
+/// Smooths a curve by averaging each point with its neighbours, far ones first: a B-spline over
+/// the points (Lane and Riesenfeld 1980) with a kernel of this `variance`, in steps². A point
+/// moves only when it is not `pinned` and both segments beside it stay `clear`, which is asked
+/// with the index of the segment's first point; so a curve over open cells stays on open cells.
 pub(crate) fn relax(
     points: &mut [Point],
-    rounds: usize,
+    variance: f64,
     pinned: impl Fn(usize) -> bool,
     clear: impl Fn(usize, Point, Point) -> bool,
 ) {
+    let reach = free_reach(points.len(), pinned);
     let n = points.len();
-    let settle = |points: &mut [Point], i: usize| {
-        if pinned(i) {
+    let settle = |points: &mut [Point], i: usize, stride: usize| {
+        let near = stride.min(reach[i]);
+        if near == 0 {
             return;
         }
         let (before, here, after) = (points[i - 1], points[i], points[i + 1]);
-        let middle = before.lerp(after, 0.5);
+        let middle = points[i - near].lerp(points[i + near], 0.5);
         let free = |there: &Point| clear(i - 1, before, *there) && clear(i, *there, after);
         if let Some(there) = MOVES.map(|share| here.lerp(middle, share)).into_iter().find(free) {
             points[i] = there;
         }
     };
-    for round in 0..rounds {
-        for k in 1..n.max(2) - 1 {
-            settle(points, if round % 2 == 0 { k } else { n - 1 - k });
+    for (round, stride) in strides(variance).into_iter().enumerate() {
+        for k in 0..n {
+            settle(points, if round % 2 == 0 { k } else { n - 1 - k }, stride);
         }
     }
+}
+
+/// The strides of the rounds, largest first: one of stride k adds the variance k²/2.
+fn strides(variance: f64) -> Vec<usize> {
+    let mut strides = Vec::new();
+    let mut left = variance.clamp(0.0, 1e4);
+    for stride in [STRIDE, STRIDE / 2, 1] {
+        let adds = 0.5 * (stride * stride) as f64;
+        // Enough is left for the shorter strides to smooth over the gaps of this one.
+        while left >= if stride > 1 { 1.5 * adds } else { 0.5 * adds } {
+            strides.push(stride);
+            left -= adds;
+        }
+    }
+    strides
+}
+
+/// Steps from each point to the nearest pinned one or end, at most [`STRIDE`].
+fn free_reach(n: usize, pinned: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut reach = vec![0; n];
+    for i in 1..n {
+        reach[i] = if pinned(i) || i + 1 == n { 0 } else { STRIDE.min(reach[i - 1] + 1) };
+    }
+    for i in (0..n.saturating_sub(1)).rev() {
+        reach[i] = reach[i].min(reach[i + 1] + 1);
+    }
+    reach
 }
 
 /// Which points of a line to keep so that it stays within `tolerance` of all of them (Ramer 1972,
@@ -313,9 +354,24 @@ mod tests {
         };
         let before = sharpest(&points);
         let last = points.len() - 1;
-        relax(&mut points, 12, |i| i == 0 || i == last, |_, p, q| ground.clear(0, p, q));
+        relax(&mut points, 6.0, |i| i == 0 || i == last, |_, p, q| ground.clear(0, p, q));
         assert!(sharpest(&points) < 0.7 * before, "{} {before}", sharpest(&points));
         assert!(points.iter().all(|&p| plain.open(0, plain.grid.at(p).unwrap())));
+    }
+
+    #[test]
+    fn smoothing_keeps_straight_lines_and_pinned_points_and_has_its_variance() {
+        let mut line: Vec<Point> = (0..50).map(|i| Point::new(f64::from(i), 2.0 * f64::from(i))).collect();
+        let before = line.clone();
+        relax(&mut line, 36.0, |i| i == 20, |_, _, _| true);
+        assert!(line.iter().zip(&before).all(|(p, q)| p.distance(*q) < 1e-9));
+        for variance in [1.0, 6.25, 36.0] {
+            let sum: f64 = strides(variance).iter().map(|k| 0.5 * (k * k) as f64).sum();
+            assert!((sum - variance).abs() <= 0.25 + 1e-9, "{sum} {variance}");
+        }
+        let mut spike: Vec<Point> = (0..101).map(|i| Point::new(f64::from(i), f64::from(u8::from(i == 50)))).collect();
+        relax(&mut spike, 36.0, |i| i == 30, |_, _, _| true);
+        assert!(spike[50].y < 0.15 && spike[30].y == 0.0 && spike[45].y > 0.0);
     }
 
     #[test]

@@ -1,26 +1,15 @@
 //! Routes that run close together become one trail: animals follow what is already trodden.
 
 use super::routes::Route;
+use super::uneven::Unevenness;
 use crate::compute::ecosystem::curve::Ground;
 use crate::compute::ecosystem::ways::AROUND;
-use crate::compute::random::Purpose;
-use crate::compute::random::hash2;
-use crate::compute::random::unit;
-use crate::compute::raster::Cell;
 use crate::compute::raster::Grid;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-
-const ROUGHNESS: Purpose = Purpose::new("trails.roughness");
-
-/// Routes laid at once, at most: they do not see each other.
-const MOST_AT_ONCE: usize = 64;
-
-/// Wavelengths of the unevenness that no map shows, in cells, and their shares (ours).
-const WAVES: [(f64, f64); 3] = [(60.0, 0.5), (24.0, 0.3), (9.0, 0.2)];
 
 /// How much more a straight run may cost than the course it replaces (ours): a search over
 /// neighbouring cells prefers eight directions, animals do not.
@@ -38,40 +27,64 @@ pub(crate) struct Bending {
 /// step costs its time × (1 + roughness) × (1 − attraction · T / (T + w)): T is what already walks
 /// on both cells, w what the route carries itself. So a lighter route gives way to a heavier one
 /// and main trails emerge, as in the model of Helbing, Keltsch and Molnár (1997) where walkers
-/// follow and deepen what others have trodden. Routes are laid in groups of growing size that do
-/// not see each other, so that the result does not depend on the number of threads.
+/// follow and deepen what others have trodden. Routes that cannot meet are laid at the same time.
 pub(crate) fn bundle(routes: &mut [Route], ground: &Ground, bending: &Bending, run: &Run) -> Result<(), Stopped> {
-    if routes.is_empty() {
-        return Ok(());
-    }
-    let mut field = Field { load: vec![0.0; ground.grid.len()], hardship: hardship(ground.grid, bending), bending };
-    let total = routes.len();
-    let mut laid = 0;
-    while laid < total {
-        let next = (laid + (laid / 4).clamp(1, MOST_AT_ONCE)).min(total);
-        let group = &mut routes[laid..next];
-        group.par_iter_mut().try_for_each(|route| {
+    let mut field = Field {
+        load: vec![0.0; ground.grid.len()],
+        uneven: Unevenness::new(ground.grid, bending.seed),
+        grid: ground.grid,
+        bending,
+    };
+    let (total, mut laid) = (routes.len() as u64, 0);
+    for turn in turns(routes, ground.grid, bending.reach_cells) {
+        let relay = |&i: &usize| {
             run.check()?;
-            if let Some(cells) = relaid(route, ground, &field) {
-                route.cells = cells;
-            }
-            Ok(())
-        })?;
-        for route in group.iter() {
+            Ok(relaid(&routes[i], ground, &field))
+        };
+        let courses: Vec<Option<Vec<u32>>> = turn.par_iter().map(relay).collect::<Result<_, Stopped>>()?;
+        for (&i, course) in turn.iter().zip(courses) {
+            let route = &mut routes[i];
+            route.cells = course.unwrap_or(std::mem::take(&mut route.cells));
             route.cells.iter().for_each(|&cell| field.load[cell as usize] += route.kg as f32);
         }
-        laid = next;
-        run.progress("trails.bundle", laid as u64, total as u64)?;
+        laid += turn.len() as u64;
+        run.progress("trails.bundle", laid, total)?;
     }
     Ok(())
+}
+
+/// Which routes are laid together, turn by turn: each as soon as all before it that could come
+/// near have been laid, so that the result is that of laying one after the other.
+fn turns(routes: &[Route], grid: &Grid, reach: usize) -> Vec<Vec<usize>> {
+    let boxes: Vec<[usize; 4]> = routes.iter().map(|route| bounds(grid, &route.cells, reach)).collect();
+    let apart = |a: &[usize; 4], b: &[usize; 4]| a[1] < b[0] || b[1] < a[0] || a[3] < b[2] || b[3] < a[2];
+    let mut turn_of: Vec<usize> = Vec::with_capacity(routes.len());
+    let mut turns: Vec<Vec<usize>> = Vec::new();
+    for (i, here) in boxes.iter().enumerate() {
+        let before = boxes[..i].iter().zip(&turn_of).filter(|(other, _)| !apart(here, other));
+        let turn = before.map(|(_, turn)| turn + 1).max().unwrap_or(0);
+        turn_of.push(turn);
+        turns.resize(turns.len().max(turn + 1), Vec::new());
+        turns[turn].push(i);
+    }
+    turns
+}
+
+/// First and last column, first and last row that a route can touch (`reach` more each way).
+fn bounds(grid: &Grid, cells: &[u32], reach: usize) -> [usize; 4] {
+    let columns = || cells.iter().map(|cell| *cell as usize % grid.width);
+    let rows = || cells.iter().map(|cell| *cell as usize / grid.width);
+    let low = |least: Option<usize>| least.unwrap_or(0).saturating_sub(reach);
+    let high = |most: Option<usize>| most.unwrap_or(0) + reach;
+    [low(columns().min()), high(columns().max()), low(rows().min()), high(rows().max())]
 }
 
 /// What makes a cell easier or harder to walk on than the map says.
 struct Field<'a> {
     /// What walks on each cell, kg a year.
     load: Vec<f32>,
-    /// What a step to each cell costs for its unevenness, times its time.
-    hardship: Vec<f32>,
+    uneven: Unevenness,
+    grid: &'a Grid,
     bending: &'a Bending,
 }
 
@@ -83,6 +96,7 @@ fn relaid(route: &Route, ground: &Ground, field: &Field) -> Option<Vec<u32>> {
     let goal = band.place(to)?;
     let mut best = vec![f64::INFINITY; band.len];
     let mut before = vec![u32::MAX; band.len];
+    let mut hardship = vec![f32::NAN; band.len];
     let mut queue = BinaryHeap::from([Reverse((0u64, start as u32, from as u32))]);
     best[start] = 0.0;
     while let Some(Reverse((bits, here, cell))) = queue.pop() {
@@ -97,7 +111,11 @@ fn relaid(route: &Route, ground: &Ground, field: &Field) -> Option<Vec<u32>> {
         let steps = ground.ways.steps_s(route.species, cell as usize, &to);
         for (next, seconds) in to.into_iter().zip(steps) {
             let Some((next, place)) = next.and_then(|next| Some((next, band.place(next)?))) else { continue };
-            let reached = best[here] + field.cost(route, (cell as usize, next), seconds);
+            if hardship[place].is_nan() {
+                hardship[place] = field.hardship(next) as f32;
+            }
+            let eased = field.eased(route, (cell as usize, next), seconds);
+            let reached = best[here] + eased * f64::from(hardship[place]);
             if reached < best[place] {
                 (best[place], before[place]) = (reached, cell);
                 queue.push(Reverse((reached.to_bits(), place as u32, next as u32)));
@@ -107,19 +125,23 @@ fn relaid(route: &Route, ground: &Ground, field: &Field) -> Option<Vec<u32>> {
     let step = |a: u32, b: u32| {
         let (a, b) = (a as usize, b as usize);
         let there_and_back = (ground.ways.step_s(route.species, a, b), ground.ways.step_s(route.species, b, a));
-        field.cost(route, (a, b), there_and_back)
+        field.eased(route, (a, b), there_and_back) * field.hardship(b)
     };
     best[goal].is_finite().then(|| ground.straight_by(route.species, &trace(&band, &before, from, to), SLACK, step))
 }
 
 impl Field<'_> {
-    /// What a step that takes so many seconds there and back costs; the mean of the two where the
-    /// route is walked in both directions.
-    fn cost(&self, route: &Route, (a, b): (usize, usize), (there, back): (f64, f64)) -> f64 {
+    /// What a step that takes so many seconds there and back costs on level ground; the mean of
+    /// the two where the route is walked in both directions.
+    fn eased(&self, route: &Route, (a, b): (usize, usize), (there, back): (f64, f64)) -> f64 {
         let seconds = if route.both_ways { 0.5 * (there + back) } else { there };
         let trodden = f64::from(self.load[a].min(self.load[b]));
-        let ease = 1.0 - self.bending.attraction * trodden / (trodden + route.kg);
-        seconds * ease * f64::from(self.hardship[b])
+        seconds * (1.0 - self.bending.attraction * trodden / (trodden + route.kg))
+    }
+
+    /// What the unevenness of a cell costs on top, as a factor.
+    fn hardship(&self, cell: usize) -> f64 {
+        1.0 + self.bending.roughness * self.uneven.at(self.grid.cell(cell))
     }
 }
 
@@ -133,28 +155,6 @@ fn trace(band: &Band, before: &[u32], from: usize, to: usize) -> Vec<u32> {
     }
     cells.reverse();
     cells
-}
-
-/// 1 + roughness × smooth noise in 0..=1, a function of the seed and the cell.
-fn hardship(grid: &Grid, bending: &Bending) -> Vec<f32> {
-    let octave = |at: Cell, (length, share): (f64, f64)| {
-        share * noise(at.column as f64 / length, at.row as f64 / length, bending.seed)
-    };
-    let of_cell = |cell: usize| {
-        let noise: f64 = WAVES.iter().map(|wave| octave(grid.cell(cell), *wave)).sum();
-        (1.0 + bending.roughness * noise) as f32
-    };
-    (0..grid.len()).into_par_iter().with_min_len(4096).map(of_cell).collect()
-}
-
-fn noise(x: f64, y: f64, seed: u64) -> f64 {
-    let (column, row) = (x.floor(), y.floor());
-    let corner = |dx: u64, dy: u64| unit(hash2(seed, ROUGHNESS, column as u64 + dx, row as u64 + dy));
-    let ease = |t: f64| t * t * (3.0 - 2.0 * t);
-    let (u, v) = (ease(x - column), ease(y - row));
-    let north = corner(0, 0) + u * (corner(1, 0) - corner(0, 0));
-    let south = corner(0, 1) + u * (corner(1, 1) - corner(0, 1));
-    north + v * (south - north)
 }
 
 /// The cells within a number of rows and columns of a route, numbered row by row: a search in
@@ -269,6 +269,15 @@ mod tests {
         let before = routes.clone();
         bundle(&mut routes, &ground, &straight(), &Run::silent()).unwrap();
         assert_eq!(routes, before);
+    }
+
+    #[test]
+    fn routes_are_laid_after_all_heavier_ones_that_could_come_near() {
+        let grid = Grid::new(60, 60, 1.0);
+        let routes = [route(&grid, 5, 9.0), route(&grid, 30, 8.0), route(&grid, 12, 7.0), route(&grid, 20, 6.0)];
+        assert_eq!(turns(&routes, &grid, 4), [vec![0, 1], vec![2], vec![3]]);
+        assert_eq!(turns(&routes, &grid, 3), [vec![0, 1, 2, 3]]);
+        assert!(turns(&[], &grid, 3).is_empty());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::network::Portion;
 use super::wear::Wear;
 use crate::compute::ecosystem::curve::Ground;
 use crate::compute::ecosystem::curve::relax;
-use crate::compute::ecosystem::curve::rounds;
+use crate::compute::ecosystem::curve::smoothing;
 use crate::compute::ecosystem::curve::thinned;
 use crate::compute::geometry::Point;
 use crate::compute::run::Run;
@@ -71,7 +71,7 @@ impl Course {
         let mut points: Vec<Point> = self.cells.iter().map(centre).collect();
         let walkers = self.walkers(portions);
         let clear = |i: usize, p: Point, q: Point| ground.clear(walkers[i], p, q);
-        relax(&mut points, rounds(ground.grid.cell_m), |i| fixed[i], clear);
+        relax(&mut points, smoothing(ground.grid.cell_m), |i| fixed[i], clear);
         joints.iter().for_each(|&i| {
             settled.insert(self.cells[i], points[i]);
         });

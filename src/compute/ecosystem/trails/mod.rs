@@ -14,6 +14,7 @@ mod lines;
 mod network;
 mod routes;
 mod spanner;
+mod uneven;
 mod wear;
 
 pub use wear::Wear;
@@ -43,8 +44,8 @@ pub struct Options {
     pub most_edges: usize,
     /// How much of the effort a trodden trail saves, 0..=0.9. Default: 0.5 (ours).
     pub attraction: f64,
-    /// How much the unevenness that no map shows may cost on top, 0..=2. Default: 0.4 (ours: lets
-    /// trails wind a little on even ground, as real ones do).
+    /// How much the unevenness that no map shows may cost on top, 0..=2. Default: 1 (ours: lets trails
+    /// wind a little on even ground, as real ones do).
     pub roughness: f64,
     /// How far aside a trodden trail draws animals, metres. Default: 40. Rounded to cells, at
     /// least 3 and at most 12 of them, which bounds the cost.
@@ -63,7 +64,7 @@ impl Default for Options {
             detour: 1.2,
             most_edges: 20_000,
             attraction: 0.5,
-            roughness: 0.4,
+            roughness: 1.0,
             reach_m: 40.0,
             wear: Wear::default(),
             seed: 0,

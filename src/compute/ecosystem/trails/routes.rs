@@ -6,6 +6,7 @@ use crate::compute::ecosystem::paths::Path;
 use crate::compute::ecosystem::paths::Paths;
 use crate::compute::ecosystem::rag::Rag;
 use crate::compute::ecosystem::ways::Way;
+use crate::compute::geometry::Point;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use rayon::prelude::*;
@@ -94,13 +95,16 @@ fn route(leg: &Leg, way: &Way, ground: &Ground) -> Route {
 pub(crate) fn paths(routes: &[Route], ground: &Ground, run: &Run) -> Result<Paths, Stopped> {
     let of_route = |route: &Route| {
         run.check()?;
-        let path = |cells: Vec<u32>| {
-            let open = ground.seconds(route.species, &cells).is_finite();
-            let seconds = ground.walk(route.species, &cells).seconds();
-            open.then_some(Path { species: route.species, cells, seconds })
+        let species = route.species;
+        let path = |cells: Vec<u32>, points: Vec<Point>| {
+            let open = ground.seconds(species, &cells).is_finite();
+            let seconds = ground.timed(species, &cells, points).seconds();
+            open.then_some(Path { species, cells, seconds })
         };
-        let back = route.both_ways.then(|| path(route.cells.iter().rev().copied().collect())).flatten();
-        Ok(path(route.cells.clone()).into_iter().chain(back).collect())
+        let points = ground.smoothed(species, &route.cells);
+        let turned = || (route.cells.iter().rev().copied().collect(), points.iter().rev().copied().collect());
+        let back = route.both_ways.then(turned).and_then(|(cells, points)| path(cells, points));
+        Ok(path(route.cells.clone(), points).into_iter().chain(back).collect())
     };
     let found: Vec<Vec<Path>> = routes.par_iter().map(of_route).collect::<Result<_, Stopped>>()?;
     Ok(Paths::new(found.into_iter().flatten().collect()))

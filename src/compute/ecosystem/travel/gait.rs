@@ -28,7 +28,12 @@ impl Gait {
     /// Seconds per metre of horizontal distance where the ground rises by `slope` (rise over run,
     /// negative downhill); infinite beyond the steepest slopes.
     pub fn slowness(&self, slope: f32) -> f32 {
-        if slope <= self.up && slope >= -self.down { self.unbounded(slope) } else { f32::INFINITY }
+        if self.allows(slope) { self.unbounded(slope) } else { f32::INFINITY }
+    }
+
+    /// Whether a rise of `slope` is walked.
+    pub fn allows(&self, slope: f32) -> bool {
+        slope <= self.up && slope >= -self.down
     }
 
     /// Like [`Gait::slowness`] where the user opened a way: a slope too steep counts as the

@@ -1,10 +1,12 @@
 use super::steps::MOVES;
 use super::steps::NEIGHBOURS;
 use super::steps::Steps;
+use crate::compute::ecosystem::regions::NOWHERE;
 use crate::compute::raster::Tiling;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// No room.
 pub(super) const NONE: u16 = u16::MAX;
@@ -71,6 +73,15 @@ fn rooms_of_tile(steps: &Steps<'_>, tiling: &Tiling, (column, row): (usize, usiz
     let columns = column * side..((column + 1) * side).min(width);
     let rows = row * side..((row + 1) * side).min(grid.height);
     let every = (side * side / SAMPLES).max(1);
+    let number = (row * tiling.columns + column) as u32;
+    if is_one_room(steps, &columns, &rows) {
+        let mut tally = Tally::default();
+        for y in rows.clone() {
+            cells[(y - rows.start) * width..][columns.clone()].fill(0);
+            columns.clone().for_each(|x| tally.add(steps, (x, y), every));
+        }
+        return vec![tally.room(number)];
+    }
     let mut rooms: Vec<Tally> = Vec::new();
     let mut stack = Vec::new();
     for start in rows.clone().flat_map(|y| columns.clone().map(move |x| (x, y))) {
@@ -96,8 +107,24 @@ fn rooms_of_tile(steps: &Steps<'_>, tiling: &Tiling, (column, row): (usize, usiz
         }
         rooms.push(tally);
     }
-    let tile = (row * tiling.columns + column) as u32;
-    rooms.iter().map(|tally| tally.room(tile)).collect()
+    rooms.iter().map(|tally| tally.room(number)).collect()
+}
+
+/// Whether the tile is open throughout and every step within it is walked: so most tiles are, and
+/// nothing needs to be searched for.
+fn is_one_room(steps: &Steps<'_>, columns: &Range<usize>, rows: &Range<usize>) -> bool {
+    let grid = steps.grid();
+    let region = steps.region(grid.index(columns.start, rows.start));
+    let mut above: Option<&[f32]> = None;
+    region != NOWHERE
+        && rows.clone().all(|y| {
+            let start = grid.index(columns.start, y);
+            let heights = &steps.ground.height.data[start..start + columns.len()];
+            let along = heights.windows(2).all(|w| steps.climbs(w[0], w[1]));
+            let across = above.is_none_or(|above| above.iter().zip(heights).all(|(a, b)| steps.climbs(*a, *b)));
+            above = Some(heights);
+            along && across && (start..start + columns.len()).all(|cell| steps.region(cell) == region)
+        })
 }
 
 /// What is summed up over the cells of a room.

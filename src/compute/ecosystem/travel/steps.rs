@@ -29,6 +29,9 @@ pub(super) const MOVES: [(isize, isize); 16] = [
 /// Moves to the eight neighbours.
 pub(super) const NEIGHBOURS: usize = 8;
 
+/// Length of a diagonal step, cells.
+const DIAGONAL: f32 = std::f32::consts::SQRT_2;
+
 /// The steps of one species over the cells of the terrain.
 #[derive(Clone, Copy)]
 pub(super) struct Steps<'a> {
@@ -58,8 +61,14 @@ impl Steps<'_> {
     /// Whether the step between two cells that share a side is walked in both directions, as the
     /// regions are connected.
     pub(super) fn both_ways(&self, a: usize, b: usize) -> bool {
-        let slope = (self.height(a) - self.height(b)) / self.grid().cell_m as f32;
-        self.open(b) && (self.gait.both_ways(slope) || (self.opened.is_waypoint(a) && self.opened.is_waypoint(b)))
+        let climbs = self.climbs(self.height(a), self.height(b));
+        self.open(b) && (climbs || (self.opened.is_waypoint(a) && self.opened.is_waypoint(b)))
+    }
+
+    /// Whether the rise between the heights of two cells that share a side is walked in both
+    /// directions.
+    pub(super) fn climbs(&self, a: f32, b: f32) -> bool {
+        self.gait.both_ways((a - b) / self.grid().cell_m as f32)
     }
 
     fn height(&self, cell: usize) -> f32 {
@@ -136,7 +145,7 @@ impl Around<'_> {
 
     fn straight(&self, from: (isize, isize), (dx, dy): (isize, isize)) -> f32 {
         let to = (from.0 + dx, from.1 + dy);
-        let cells = if dx != 0 && dy != 0 { std::f32::consts::SQRT_2 } else { 1.0 };
+        let cells = if dx != 0 && dy != 0 { DIAGONAL } else { 1.0 };
         self.climb(from, to, self.height[local(to)] - self.height[local(from)], cells)
     }
 
@@ -160,22 +169,41 @@ impl Around<'_> {
     }
 
     fn diagonal(&self, from: (isize, isize), (dx, dy): (isize, isize)) -> f32 {
-        if self.open[local((from.0 + dx, from.1))] && self.open[local((from.0, from.1 + dy))] {
-            self.straight(from, (dx, dy))
-        } else {
-            f32::INFINITY
-        }
+        if self.squeezes(from, (dx, dy)) { self.straight(from, (dx, dy)) } else { f32::INFINITY }
     }
 
     fn knight(&self, step: (isize, isize)) -> f32 {
         let (side, corner) = passed(step);
-        if !self.open[local(side)] || !self.open[local(corner)] || self.via(step).is_none() {
+        if !self.open[local(side)] || !self.open[local(corner)] || !self.is_walked(step) {
             return f32::INFINITY;
         }
         let half = 0.5 * 5f32.sqrt();
         let middle = 0.5 * (self.height[local(side)] + self.height[local(corner)]);
         let (first, last) = (middle - self.height[local((0, 0))], self.height[local(step)] - middle);
         self.climb((0, 0), step, first, half) + self.climb((0, 0), step, last, half)
+    }
+
+    /// Whether a knight's move can be walked as two steps to neighbours: what [`Around::via`] finds,
+    /// without asking how long they take.
+    fn is_walked(&self, step: (isize, isize)) -> bool {
+        let (side, corner) = passed(step);
+        let over_side =
+            || self.allows((0, 0), side, 1.0) && self.squeezes(side, corner) && self.allows(side, step, DIAGONAL);
+        let over_corner =
+            || self.squeezes((0, 0), corner) && self.allows((0, 0), corner, DIAGONAL) && self.allows(corner, step, 1.0);
+        over_side() || over_corner()
+    }
+
+    /// Whether the rise between two cells `cells` apart is climbed.
+    fn allows(&self, from: (isize, isize), to: (isize, isize), cells: f32) -> bool {
+        let rise = self.height[local(to)] - self.height[local(from)];
+        let run = cells * self.steps.grid().cell_m as f32;
+        self.steps.gait.allows(rise / run) || (self.is_waypoint(from) && self.is_waypoint(to))
+    }
+
+    /// Whether the two cells beside a diagonal step are open.
+    fn squeezes(&self, from: (isize, isize), (dx, dy): (isize, isize)) -> bool {
+        self.open[local((from.0 + dx, from.1))] && self.open[local((from.0, from.1 + dy))]
     }
 
     /// The cell over which a knight's move is walked as two steps to neighbours, the quicker way.
