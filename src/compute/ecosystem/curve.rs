@@ -213,6 +213,10 @@ const MOVES: [f64; 3] = [0.5, 0.2, 0.05];
 /// How far apart the neighbours are at most whose middle a point moves to.
 const STRIDE: usize = 4;
 
+/// The variance that is left to strides of one step: these smooth over the gaps of the longer ones,
+/// and reach where obstacles leave those no room.
+const SHORT_VARIANCE: f64 = 4.0;
+
 /// Smooths a curve by averaging each point with its neighbours, far ones first: a B-spline over
 /// the points (Lane and Riesenfeld 1980) with a kernel of this `variance`, in steps². A point
 /// moves only when it is not `pinned` and both segments beside it stay `clear`, which is asked
@@ -231,9 +235,10 @@ pub(crate) fn relax(
             return;
         }
         let (before, here, after) = (points[i - 1], points[i], points[i + 1]);
-        let middle = points[i - near].lerp(points[i + near], 0.5);
+        let middles = [points[i - near].lerp(points[i + near], 0.5), before.lerp(after, 0.5)];
+        let moves = middles.into_iter().flat_map(|middle| MOVES.map(|share| here.lerp(middle, share)));
         let free = |there: &Point| clear(i - 1, before, *there) && clear(i, *there, after);
-        if let Some(there) = MOVES.map(|share| here.lerp(middle, share)).into_iter().find(free) {
+        if let Some(there) = moves.into_iter().find(free) {
             points[i] = there;
         }
     };
@@ -250,8 +255,8 @@ fn strides(variance: f64) -> Vec<usize> {
     let mut left = variance.clamp(0.0, 1e4);
     for stride in [STRIDE, STRIDE / 2, 1] {
         let adds = 0.5 * (stride * stride) as f64;
-        // Enough is left for the shorter strides to smooth over the gaps of this one.
-        while left >= if stride > 1 { 1.5 * adds } else { 0.5 * adds } {
+        let last = if stride > 1 { SHORT_VARIANCE } else { -0.5 * adds };
+        while left - adds >= last {
             strides.push(stride);
             left -= adds;
         }
