@@ -1,6 +1,8 @@
 //! Animated herds keep the laws of motion at every step and reach their key-frames.
 
 use super::herds_drawn::gap;
+use super::herds_made::BODY;
+use super::herds_made::herd;
 use biotope::compute::geometry::CellGrid;
 use biotope::compute::geometry::Ellipse;
 use biotope::compute::geometry::Point;
@@ -19,24 +21,6 @@ use biotope::compute::raster::Grid;
 use biotope::compute::raster::Raster;
 use biotope::compute::run::Run;
 use biotope::compute::run::StopFlag;
-
-const BODY: (f64, f64) = (1.2, 0.5);
-
-/// A herd of `count` around `centre`, `spacing` metres apart, all heading about `theta`.
-pub fn herd(count: usize, centre: Point, (spacing, theta): (f64, f64), seed: u64) -> Vec<Ellipse> {
-    let mut random = Stream::new(seed, Purpose::new("test.herd"), 0);
-    let columns = (count as f64).sqrt().ceil() as usize;
-    let mut herd: Vec<Ellipse> = (0..count)
-        .map(|i| {
-            let cell = Point::new((i % columns) as f64, (i / columns) as f64) * spacing;
-            let jitter = Point::new(random.range(-0.2, 0.2), random.range(-0.2, 0.2)) * spacing;
-            Ellipse { centre: cell + jitter, a: BODY.0, b: BODY.1, theta: theta + random.range(-0.3, 0.3) }
-        })
-        .collect();
-    let mean = herd.iter().fold(Point::default(), |s, e| s + e.centre) * (1.0 / count as f64);
-    herd.iter_mut().for_each(|e| e.centre = centre + (e.centre - mean).rotated(theta));
-    herd
-}
 
 fn hills(slope: f64) -> Raster<f32> {
     let grid = Grid::new(120, 120, 5.0);

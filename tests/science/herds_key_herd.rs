@@ -1,5 +1,6 @@
 //! Key-herds look like their exemplar and keep what is exact exact.
 
+use super::herds_made::exemplar;
 use biotope::compute::geometry::Bounds;
 use biotope::compute::geometry::Ellipse;
 use biotope::compute::geometry::Point;
@@ -22,33 +23,6 @@ use biotope::compute::random::Stream;
 use biotope::compute::raster::Grid;
 use biotope::compute::raster::Raster;
 use biotope::compute::run::Run;
-
-/// A herd as on a photo: an oval with a dense head and a loose tail, animals apart from each
-/// other, headings that fan out.
-pub fn exemplar(count: usize, seed: u64) -> Vec<Ellipse> {
-    let mut random = Stream::new(seed, Purpose::new("test.exemplar"), count as u64);
-    let extent = 9.0 * (count as f64).sqrt();
-    let mut herd: Vec<Ellipse> = Vec::new();
-    let mut gap = 1.0;
-    while herd.len() < count {
-        let p = Point::new(random.range(-1.0, 1.0), random.range(-0.6, 0.6));
-        let inside = p.x * p.x + (p.y / 0.6).powi(2) < 1.0;
-        let dense = random.unit() < 0.35 + 0.65 * (0.5 + 0.5 * p.x);
-        let e = Ellipse {
-            centre: Point::new(400.0, 300.0) + p * extent,
-            a: random.range(7.0, 9.0),
-            b: random.range(3.0, 3.6),
-            theta: 0.5 * p.y + 0.3 * p.x + random.range(-0.1, 0.1),
-        };
-        let free = |gap: f64| herd.iter().all(|o| o.scale_to(e.centre) > 1.9 * gap && e.scale_to(o.centre) > 1.9 * gap);
-        if inside && dense && free(gap) {
-            herd.push(e);
-        } else {
-            gap *= 0.99997;
-        }
-    }
-    herd
-}
 
 fn open() -> Obstacles {
     Obstacles::default()

@@ -11,6 +11,7 @@ mod herds_drawn;
 pub mod herds_example;
 mod herds_extraction;
 mod herds_key_herd;
+mod herds_made;
 mod herds_photo;
 mod planning;
 mod resources;

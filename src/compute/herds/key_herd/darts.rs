@@ -19,8 +19,12 @@ use rayon::prelude::*;
 
 const DART: Purpose = Purpose::new("key-herd.dart");
 
-/// Darts thrown together; the best of them is looked at (ours: the text looks at each).
+/// Darts thrown together at first, and twice as many each time none is good enough; the best of
+/// them is looked at (ours: the text looks at each).
 const HANDFUL: usize = 8;
+
+/// Darts that a thread throws at least.
+const CHUNK: usize = 4;
 
 /// A dart that hits a masked part of a cell is thrown again at most this often.
 const RETHROWS: usize = 64;
@@ -113,8 +117,11 @@ pub(super) fn throw(
         };
         let mut best: Option<Dart> = None;
         let mut accepted = false;
-        for first in (0..options.max_fails.max(1)).step_by(HANDFUL) {
-            let handful: Vec<Dart> = (first..first + HANDFUL).into_par_iter().map(aim).collect();
+        let (mut first, mut size) = (0, HANDFUL);
+        while first < options.max_fails {
+            let next = (first + size).min(options.max_fails);
+            let handful: Vec<Dart> = (first..next).into_par_iter().with_min_len(CHUNK).map(aim).collect();
+            (first, size) = (next, 2 * size);
             best = handful
                 .into_iter()
                 .chain(best)
