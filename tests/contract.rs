@@ -6,8 +6,11 @@ use std::path::Path;
 use axum::http::Method;
 use biotope::http::openapi::Documents;
 use biotope::http::openapi::operations;
+use biotope::jobs::local::Bench;
 use biotope::jobs::local::FileRequest;
 use biotope::jobs::registry::Registry;
+use biotope::storage::BlockingStore;
+use biotope::storage::Store;
 
 use crate::jobs::determinism::examples;
 use crate::support::TestApp;
@@ -31,9 +34,12 @@ fn the_published_document_is_the_one_the_code_makes() {
 fn every_example_is_a_request_its_process_takes() {
     let registry = Registry::standard().expect("schemas");
     let all = examples();
+    let runtime = tokio::runtime::Runtime::new().expect("a runtime");
+    let store = BlockingStore::new(Store::in_memory(), runtime.handle().clone());
+    let bench = Bench { registry: &registry, store: &store, threads: 2 };
     for (process, file) in &all {
         let request = FileRequest::open(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-        request.check(&registry, process).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        request.check(process, &bench).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     }
     for entry in registry.entries() {
         let id = entry.description.id;

@@ -98,6 +98,10 @@ error_codes! {
     NoData = "no-data", 400, "No cell of a raster has a value.";
     InfiniteValues = "infinite-values", 400, "A raster holds infinite values.";
     GeoreferenceUnusable = "georeference-unusable", 400, "The place or the coordinate system of a raster cannot be worked with.";
+    PictureTooLarge = "picture-too-large", 400, "A picture has more pixels than this service accepts.";
+    PictureAnimated = "picture-animated", 400, "A moving picture was given where a still one is needed.";
+    PictureCmyk = "picture-cmyk", 400, "A picture in printing colours was given; red, green and blue are needed.";
+
     // Arrangements.
     DuplicateElements = "duplicate-elements", 400, "Two elements of one class have the same place and radius.";
     OutsideDomain = "outside-domain", 400, "An element lies outside its domain.";
@@ -107,9 +111,6 @@ error_codes! {
     ZeroArea = "zero-area", 400, "A domain has no area, or nothing of it is left.";
     SelfCrossing = "self-crossing", 400, "The rings of a polygon cross themselves or each other.";
     CannotFit = "cannot-fit", 400, "More disks are asked for than can lie in the target.";
-    PictureTooLarge = "picture-too-large", 400, "A picture has more pixels than this service accepts.";
-    PictureAnimated = "picture-animated", 400, "A moving picture was given where a still one is needed.";
-    PictureCmyk = "picture-cmyk", 400, "A picture in printing colours was given; red, green and blue are needed.";
 
     // Herds.
     OneKindOfScribble = "one-kind-of-scribble", 400, "Only animals or only ground is marked; both must be.";
@@ -118,6 +119,14 @@ error_codes! {
     ColoursAlike = "colours-alike", 400, "What is marked as animal has the colours of what is marked as ground.";
     NoRegion = "no-region", 400, "Nothing in the picture looks like the marked animals.";
     UnknownAnimal = "unknown-animal", 400, "A number names no animal that was found.";
+    NoRoomForHerd = "no-room-for-herd", 400, "So many animals find no room where they may stand.";
+    NoDensity = "no-density", 400, "A painted density is nowhere above zero where animals may stand.";
+    NoSuchHerd = "no-such-herd", 400, "The ecosystem has no herd of this number, or it has no path at this time.";
+    TimesNotRising = "times-not-rising", 400, "A key-frame is not later than the one before it.";
+    OffTerrain = "off-terrain", 400, "A place lies off the terrain, or in a hole of it.";
+    InObstacle = "in-obstacle", 400, "A place lies inside an obstacle.";
+    NoWay = "no-way", 400, "Obstacles leave no way from one key-frame to the next.";
+    NumbersDiffer = "numbers-differ", 400, "Two key-herds have different numbers of animals.";
     NotAnEllipse = "not-an-ellipse", 400, "An ellipse has no axes a ≥ b > 0, or is not where it must be.";
 }
 

@@ -20,7 +20,8 @@ pub enum Reference {
 #[serde(deny_unknown_fields)]
 pub struct Href {
     /// `/assets/sha256:<hex>`, `/jobs/<id>/results/<output>`, or a `data:` address. In a request
-    /// file run by the program itself, also a path relative to that file.
+    /// file run by the program itself, also a path relative to that file, or an output of another
+    /// request file, which is then run first: `herd-extraction.json#ellipses`.
     pub href: String,
     /// Media type of the data; what the asset was uploaded as when absent.
     #[serde(rename = "type", default, skip_serializing_if = "Option::is_none")]

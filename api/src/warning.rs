@@ -58,6 +58,11 @@ warning_codes! {
     CellSizeIgnored = "CELL_SIZE_IGNORED", "The raster says itself how large its cells are; the size given beside it was not used.";
     // Herds.
     SuspectAnimals = "SUSPECT_ANIMALS", "Regions of outlying size, proportion or shape may not be one animal each.";
+    NoHull = "NO_HULL", "A herd of one, two or in a line has no area: it has no curve, field or density map.";
+    AnimalsForced = "ANIMALS_FORCED", "Animals stand where they do although it did not bring the herd nearer to its exemplar.";
+    LateAnimals = "LATE_ANIMALS", "Animals were not at their place at a key-frame; the report says who and why.";
+    KeyFrameUnreachable = "KEY_FRAME_UNREACHABLE", "No animal can reach a key-frame in its time; the message says how much is needed.";
+    HerdSizeDiffers = "HERD_SIZE_DIFFERS", "The key-herd has another number of animals than the herd of the ecosystem.";
     SpecksDropped = "SPECKS_DROPPED", "Regions too small to be animals were left out.";
     // Arrangements.
     SharedPlaces = "SHARED_PLACES", "Elements of different classes or sizes share a place.";

@@ -10,6 +10,7 @@
 //! | [`terrain`] | a height map comes in: metres on square cells |
 //! | [`mask`] | painted masks, densities and maps that belong to a terrain |
 //! | [`picture`] | photos in, PNG and animated PNG out |
+//! | [`tracks`] | tracks of a herd as columns, Moving Features and glTF |
 //!
 //! Nothing here knows of storage, jobs or HTTP. Whatever comes in may be hostile: sizes are
 //! checked from the header before anything is allocated, and every error is a value that says
@@ -24,4 +25,5 @@ pub mod mask;
 pub mod picture;
 pub mod sheet;
 pub mod terrain;
+pub mod tracks;
 pub mod warning;

@@ -1,8 +1,12 @@
 //! A request in a file, run without a server by the same code.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::Mutex;
+use std::sync::MutexGuard;
+use std::sync::PoisonError;
 
 use biotope_api::error::ErrorCode;
 use biotope_api::error::Problem;
@@ -15,6 +19,7 @@ use tokio::runtime::Handle;
 use crate::compute::run::Run;
 use crate::compute::run::StopFlag;
 use crate::jobs::Artefact;
+use crate::jobs::Digest;
 use crate::jobs::Failure;
 use crate::jobs::Job;
 use crate::jobs::JobsError;
@@ -27,6 +32,7 @@ use crate::jobs::registry::Registry;
 use crate::jobs::results::load;
 use crate::jobs::schema::InputCheck;
 use crate::jobs::schema::read;
+use crate::jobs::sources::Content;
 use crate::jobs::sources::Source;
 use crate::jobs::sources::SourceError;
 use crate::jobs::sources::Sources;
@@ -88,6 +94,17 @@ pub struct LocalRun<'a> {
     pub threads: usize,
 }
 
+/// What requests are run with.
+#[derive(Clone, Copy)]
+pub struct Bench<'a> {
+    /// The processes.
+    pub registry: &'a Registry,
+    /// Where outputs and stages are stored.
+    pub store: &'a BlockingStore,
+    /// Threads to compute on.
+    pub threads: usize,
+}
+
 impl FileRequest {
     /// Reads a request.
     ///
@@ -103,32 +120,34 @@ impl FileRequest {
         Ok(Self { execute, folder: file.parent().unwrap_or(Path::new("")).to_owned() })
     }
 
-    /// Checks the request as the service would before it queues it.
+    /// Checks the request as the service would before it queues it. Requests that it refers to
+    /// are run.
     ///
     /// # Errors
     /// When the request is at fault.
-    pub fn check(&self, registry: &Registry, process: &str) -> Result<(), LocalError> {
-        let sources = FileSources { folder: self.folder.clone() };
-        let accepted = accept(find(registry, process)?, &self.execute, &sources);
+    pub fn check(&self, process: &str, bench: &Bench<'_>) -> Result<(), LocalError> {
+        let sources = self.sources(bench, StopFlag::default());
+        let accepted = accept(find(bench.registry, process)?, &self.execute, &sources);
         accepted.map(drop).map_err(|faults| refuse(invalid_problem(faults)))
     }
 
-    /// Runs the request; its outputs are in `store`. Not for async threads.
+    /// Runs the request, after those that it refers to; its outputs are in the store. Not for
+    /// async threads.
     ///
     /// # Errors
     /// When the request is at fault or the work fails.
-    pub fn solve(
-        &self,
-        entry: &Entry,
-        store: &BlockingStore,
-        threads: usize,
-        live: &Arc<Live>,
-    ) -> Result<Kept, LocalError> {
-        let sources = FileSources { folder: self.folder.clone() };
+    pub fn solve(&self, process: &str, bench: &Bench<'_>, live: &Arc<Live>) -> Result<Kept, LocalError> {
+        let sources = self.sources(bench, live.stop.clone());
         let observer = Arc::clone(live);
         let run = Run::new(live.stop.clone(), move |progress| observer.report(progress));
         let begun = |job: &dyn Job| live.set_stages(job.stages());
+        let Bench { registry, store, threads } = *bench;
+        let entry = find(registry, process)?;
         perform(entry, &self.execute, Desk { store, sources: &sources, run, threads }, &begun).map_err(failed)
+    }
+
+    fn sources<'a>(&self, bench: &'a Bench<'a>, stop: StopFlag) -> FileSources<'a> {
+        FileSources { folder: self.folder.clone(), bench, stop, above: Vec::new(), done: Arc::default() }
     }
 
     /// Runs the request and writes every output as `<output id>.<extension>`; returns the
@@ -144,11 +163,12 @@ impl FileRequest {
         handle: Handle,
     ) -> Result<Vec<Warning>, LocalError> {
         let registry = Registry::standard().map_err(LocalError::Fault)?;
-        let entry = find(&registry, process)?;
+        find(&registry, process)?;
         make_folder(place.out)?;
         let work = WorkFolder::make(place)?;
         let store = BlockingStore::new(Store::in_folder(&work.folder).map_err(JobsError::from)?, handle);
-        let kept = self.solve(entry, &store, place.threads, live)?;
+        let bench = Bench { registry: &registry, store: &store, threads: place.threads };
+        let kept = self.solve(process, &bench, live)?;
         for (id, stored) in &kept.outputs {
             write_output(&store, id, stored, place.out, &live.stop)?;
         }
@@ -230,12 +250,18 @@ impl Drop for WorkFolder {
     }
 }
 
-/// Files beside the request, and data by value.
-struct FileSources {
+/// Files beside the request, outputs of other requests beside it, and data by value.
+struct FileSources<'a> {
     folder: PathBuf,
+    bench: &'a Bench<'a>,
+    stop: StopFlag,
+    /// The requests that are being read on the way to this one.
+    above: Vec<PathBuf>,
+    /// What requests have given so far; each is run once.
+    done: Arc<Mutex<BTreeMap<PathBuf, Kept>>>,
 }
 
-impl Sources for FileSources {
+impl Sources for FileSources<'_> {
     fn open(&self, reference: &Reference) -> Result<Source, SourceError> {
         let link = match reference {
             Reference::Inline(value) => return inline(value),
@@ -245,13 +271,67 @@ impl Sources for FileSources {
         if link.href.contains("://") {
             return Err(SourceError::new(ErrorCode::HrefNotAllowed, "a file or a data: address", link.href.as_str()));
         }
+        if let Some((request, output)) = link.href.rsplit_once('#') {
+            return self.output(request, output);
+        }
         let path = self.folder.join(&link.href);
-        let missing = |cause| {
-            SourceError::new(ErrorCode::HrefNotFound, "a file that can be read", format!("{}: {cause}", link.href))
-        };
-        let bytes = std::fs::read(path).map_err(missing)?;
+        let bytes = std::fs::read(path).map_err(|cause| missing(&link.href, cause))?;
         let media_type = link.media_type.clone().unwrap_or_else(|| media_type_of(&link.href).to_owned());
         Ok(Source::encoded(media_type, Bytes::from(bytes)))
+    }
+}
+
+fn missing(href: &str, cause: impl std::fmt::Display) -> SourceError {
+    SourceError::new(ErrorCode::HrefNotFound, "a file that can be read", format!("{href}: {cause}"))
+}
+
+impl FileSources<'_> {
+    /// An output of another request, which is run first: `herd-extraction.json#ellipses`.
+    fn output(&self, request: &str, output: &str) -> Result<Source, SourceError> {
+        let path = self.folder.join(request).canonicalize().map_err(|cause| missing(request, cause))?;
+        if self.above.contains(&path) {
+            let expected = "requests that do not refer to each other in a circle";
+            return Err(SourceError::new(ErrorCode::Inconsistent, expected, request));
+        }
+        let found = self.lock().get(&path).cloned();
+        let kept = match found {
+            Some(kept) => kept,
+            None => {
+                let kept = self.run(&path, request)?;
+                self.lock().insert(path, kept.clone());
+                kept
+            }
+        };
+        let absent = || SourceError::new(ErrorCode::HrefNotFound, format!("an output that {request} keeps"), output);
+        let stored = kept.outputs.get(output).ok_or_else(absent)?;
+        let digest = Digest::parse(&stored.digest).ok_or_else(absent)?;
+        let artefact = load(self.bench.store, stored).map_err(|error| missing(request, error))?;
+        Ok(Source { digest, content: Content::Artefact(artefact) })
+    }
+
+    fn run(&self, path: &Path, request: &str) -> Result<Kept, SourceError> {
+        let refused = |error: &dyn std::fmt::Display| {
+            SourceError::new(ErrorCode::HrefNotFound, "a request that succeeds", format!("{request}: {error}"))
+        };
+        let file = FileRequest::open(path).map_err(|error| refused(&error))?;
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let entry = self.bench.registry.named_by(&stem).ok_or_else(|| {
+            SourceError::new(ErrorCode::HrefNotFound, "a request file that is named by its process", request)
+        })?;
+        let sources = FileSources {
+            folder: file.folder.clone(),
+            bench: self.bench,
+            stop: self.stop.clone(),
+            above: self.above.iter().cloned().chain([path.to_owned()]).collect(),
+            done: Arc::clone(&self.done),
+        };
+        let Bench { store, threads, .. } = *self.bench;
+        let desk = Desk { store, sources: &sources, run: Run::stoppable(self.stop.clone()), threads };
+        perform(entry, &file.execute, desk, &|_| {}).map_err(|failure| refused(&failed(failure)))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<PathBuf, Kept>> {
+        self.done.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -15,7 +15,9 @@ use crate::jobs::distribution_decomposition::DistributionDecomposition;
 use crate::jobs::distribution_inpainting::DistributionInpainting;
 use crate::jobs::echo::Echo;
 use crate::jobs::ecosystem::Ecosystem;
+use crate::jobs::herd_animation::HerdAnimation;
 use crate::jobs::herd_extraction::HerdExtraction;
+use crate::jobs::key_herd::KeyHerd;
 use crate::jobs::schema::InputCheck;
 
 /// Every process of the service, in the order in which they are shown.
@@ -28,6 +30,8 @@ fn all() -> Vec<Box<dyn Process>> {
         Box::new(DistributionDecomposition),
         Box::new(Ecosystem),
         Box::new(HerdExtraction),
+        Box::new(KeyHerd),
+        Box::new(HerdAnimation),
     ]
 }
 
@@ -64,6 +68,14 @@ impl Registry {
     /// The processes in the order in which they are shown.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
+    }
+
+    /// The process that a request file is named by: `key-herd.json` and `key-herd-bison.json` are
+    /// requests of `key-herd`.
+    pub fn named_by(&self, stem: &str) -> Option<&Entry> {
+        let fits = |id: &str| stem.strip_prefix(id).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));
+        let all = self.entries.iter().filter(|entry| fits(entry.description.id));
+        all.max_by_key(|entry| entry.description.id.len())
     }
 
     /// The process of that id.

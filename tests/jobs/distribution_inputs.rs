@@ -93,7 +93,11 @@ fn elements_outside_the_domain_are_named() {
 
 #[test]
 fn numbers_that_are_none_and_negative_radii_are_named() {
-    assert_refused(|i| i["exemplar"]["elements"][2]["radius"] = json!(-1), "/exemplar/elements/2/radius", "out-of-range");
+    assert_refused(
+        |i| i["exemplar"]["elements"][2]["radius"] = json!(-1),
+        "/exemplar/elements/2/radius",
+        "out-of-range",
+    );
     assert_refused(|i| i["exemplar"]["elements"][2]["x"] = json!("NaN"), "/exemplar/elements/2/x", "wrong-type");
     let table = |cell: &str| json!({"value": format!("x,y\n1,2\n{cell},3\n5,6\n"), "mediaType": "text/csv"});
     for cell in ["NaN", "inf"] {
@@ -147,7 +151,12 @@ fn a_target_of_which_nothing_is_left_is_refused() {
     let target = with(|i| i["target"] = json!({"exclude": [all]}));
     assert_fault(&DiskSynthesis, target, "/target/exclude/0", "zero-area");
     let stranger = json!([{"class": "moss", "x": 1, "y": 1}]);
-    assert_fault(&DiskSynthesis, with(|i| i["target"] = json!({"fixed": stranger})), "/target/fixed/0/class", "empty-class");
+    assert_fault(
+        &DiskSynthesis,
+        with(|i| i["target"] = json!({"fixed": stranger})),
+        "/target/fixed/0/class",
+        "empty-class",
+    );
 }
 
 #[test]

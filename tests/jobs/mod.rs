@@ -4,6 +4,8 @@ pub mod determinism;
 mod distribution_inputs;
 mod ecosystem_inputs;
 mod ecosystem_outcomes;
+mod herd_inputs;
+mod herd_outcomes;
 mod memo;
 mod queue;
 mod worker;

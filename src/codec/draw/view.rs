@@ -26,6 +26,11 @@ impl View {
         Point::new(self.offset.x + p.x * self.scale, self.offset.y - p.y * self.scale)
     }
 
+    /// The point of the world at a place in pixels.
+    pub fn world(&self, pixel: Point) -> Point {
+        Point::new((pixel.x - self.offset.x) / self.scale, (self.offset.y - pixel.y) / self.scale)
+    }
+
     /// Several points.
     pub fn all(&self, points: &[Point]) -> Vec<Point> {
         points.iter().map(|p| self.at(*p)).collect()
@@ -46,6 +51,7 @@ mod tests {
         let world = Bounds::new(Point::new(100.0, 200.0), Point::new(300.0, 300.0));
         let view = View::fit(world, Bounds::new(Point::new(0.0, 0.0), Point::new(400.0, 400.0)));
         assert_eq!(view.at(Point::new(100.0, 300.0)), Point::new(0.0, 100.0));
+        assert_eq!(view.world(Point::new(0.0, 100.0)), Point::new(100.0, 300.0));
         assert_eq!(view.at(Point::new(300.0, 200.0)), Point::new(400.0, 300.0));
         assert_eq!(view.scale, 2.0);
         let e = Ellipse { centre: world.min, a: 3.0, b: 1.0, theta: 0.3 };

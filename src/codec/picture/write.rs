@@ -48,21 +48,61 @@ impl Rgba {
 }
 
 impl Animation {
-    /// An animated PNG. Programs that know only still pictures show the first frame.
+    /// An animated PNG. Programs that know only still pictures show the first frame. Each further
+    /// frame holds only the rectangle that changes, see-through where it does not.
     ///
     /// Fails when there is no frame or one is of another size.
     pub fn to_apng(&self) -> Result<Vec<u8>, EncodingError> {
         let size = self.frames.first().map_or((0, 0), |f| (f.width, f.height));
         let mut bytes = Vec::new();
-        let mut encoder = encoder(&mut bytes, size, ColorType::Rgb);
+        let mut encoder = encoder(&mut bytes, size, ColorType::Rgba);
         encoder.set_animated(self.frames.len() as u32, 0)?;
         encoder.set_frame_delay(self.delay_ms, 1000)?;
         let mut writer = encoder.write_header()?;
-        for frame in &self.frames {
-            writer.write_image_data(frame.rgb.as_flattened())?;
+        if let Some(first) = self.frames.first() {
+            let opaque: Vec<[u8; 4]> = first.rgb.iter().map(|[r, g, b]| [*r, *g, *b, 255]).collect();
+            writer.write_image_data(opaque.as_flattened())?;
+        }
+        for pair in self.frames.windows(2) {
+            let patch = Patch::between(&pair[0], &pair[1]);
+            writer.set_frame_position(0, 0)?;
+            writer.set_frame_dimension(patch.width as u32, patch.height as u32)?;
+            writer.set_frame_position(patch.left as u32, patch.top as u32)?;
+            writer.set_blend_op(png::BlendOp::Over)?;
+            writer.set_dispose_op(png::DisposeOp::None)?;
+            writer.write_image_data(patch.rgba.as_flattened())?;
         }
         writer.finish()?;
         Ok(bytes)
+    }
+}
+
+/// What makes one picture out of another when it is laid over it.
+struct Patch {
+    left: usize,
+    top: usize,
+    width: usize,
+    height: usize,
+    rgba: Vec<[u8; 4]>,
+}
+
+impl Patch {
+    /// From one frame to the next; of another size, all of the next.
+    fn between(one: &Image, two: &Image) -> Self {
+        let width = two.width.max(1);
+        let same = (one.width, one.height) == (two.width, two.height);
+        let differs = |i: usize| !same || one.rgb[i] != two.rgb[i];
+        let changed: Vec<usize> = (0..two.rgb.len()).filter(|i| differs(*i)).collect();
+        let columns = || changed.iter().map(|i| i % width);
+        let (left, right) = (columns().min().unwrap_or(0), columns().max().unwrap_or(0));
+        let (top, bottom) = (changed.first().map_or(0, |i| i / width), changed.last().map_or(0, |i| i / width));
+        let pixel = |i: usize| match two.rgb.get(i) {
+            Some([r, g, b]) if differs(i) => [*r, *g, *b, 255],
+            _ => [0; 4],
+        };
+        let row = |row: usize| (left..=right).map(move |column| row * width + column);
+        let rgba = (top..=bottom).flat_map(row).map(pixel).collect();
+        Self { left, top, width: right - left + 1, height: bottom - top + 1, rgba }
     }
 }
 
@@ -98,13 +138,37 @@ mod tests {
         assert_eq!(back.as_raw().as_slice(), overlay.rgba.as_flattened());
     }
 
-    #[test]
-    fn an_animation_holds_all_its_frames() {
-        let frames = vec![gradient(30, 20), gradient(30, 20), Image { width: 30, height: 20, rgb: vec![[7; 3]; 600] }];
-        let bytes = Animation { frames, delay_ms: 40 }.to_apng().unwrap();
-        let reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+    /// The frames of an animated PNG as a viewer shows them.
+    fn shown(bytes: &[u8]) -> Vec<Vec<[u8; 3]>> {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         let control = reader.info().animation_control.unwrap();
-        assert_eq!((control.num_frames, control.num_plays), (3, 0));
+        assert_eq!(control.num_plays, 0);
+        let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+        let (mut canvas, mut buffer) = (vec![[0; 3]; width * height], vec![0; width * height * 4]);
+        let mut frames = Vec::new();
+        for _ in 0..control.num_frames {
+            let info = reader.next_frame(&mut buffer).unwrap();
+            let place = reader.info().frame_control.unwrap();
+            let (left, top) = (place.x_offset as usize, place.y_offset as usize);
+            for (i, pixel) in buffer[..info.buffer_size()].as_chunks::<4>().0.iter().enumerate() {
+                let at = (top + i / info.width as usize) * width + left + i % info.width as usize;
+                if pixel[3] == 255 {
+                    canvas[at] = [pixel[0], pixel[1], pixel[2]];
+                }
+            }
+            frames.push(canvas.clone());
+        }
+        frames
+    }
+
+    #[test]
+    fn an_animation_shows_all_its_frames() {
+        let mut spot = gradient(30, 20);
+        (5..9).for_each(|row| spot.rgb[row * 30 + 7..row * 30 + 12].fill([200; 3]));
+        let grey = Image { width: 30, height: 20, rgb: vec![[7; 3]; 600] };
+        let frames = vec![gradient(30, 20), gradient(30, 20), spot, gradient(30, 20), grey];
+        let expected: Vec<Vec<[u8; 3]>> = frames.iter().map(|f| f.rgb.clone()).collect();
+        assert_eq!(shown(&Animation { frames, delay_ms: 40 }.to_apng().unwrap()), expected);
     }
 
     #[test]

@@ -5,7 +5,6 @@
 //! |---|---|
 //! | `request` | inputs on the wire → a request that cannot be wrong |
 //! | `species`, `library` | the numbers of each species, and where they come from |
-//! | `rasters` | terrains and maps behind references |
 //! | `chain` | the stages, each memoised |
 //! | `stored` | the stored form of what stages hand on |
 //! | `outputs`, `life`, `report` | maps, tables and the summary |
@@ -14,7 +13,6 @@ mod chain;
 mod library;
 mod life;
 mod outputs;
-mod rasters;
 mod report;
 mod request;
 mod species;

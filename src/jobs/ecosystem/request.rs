@@ -33,11 +33,11 @@ use crate::jobs::Digest;
 use crate::jobs::Hasher;
 use crate::jobs::Invalid;
 use crate::jobs::Sources;
-use crate::jobs::ecosystem::rasters;
-use crate::jobs::ecosystem::rasters::Meaning;
 use crate::jobs::ecosystem::species;
 use crate::jobs::ecosystem::species::Animals;
 use crate::jobs::ecosystem::species::Plants;
+use crate::jobs::rasters;
+use crate::jobs::rasters::Meaning;
 
 /// A request whose every value is usable.
 pub struct Request {

@@ -2,16 +2,15 @@
 
 use biotope_api::error::ErrorCode;
 
-use crate::codec::sheet::RasterError;
+use crate::compute::geometry::Point;
+use crate::compute::graph::assignment::AssignmentError;
+use crate::compute::herds::animation::AnimationError;
 use crate::compute::herds::extraction::ExtractionError;
+use crate::compute::herds::key_herd::KeyHerdError;
+use crate::compute::pcf::PcfError;
 use crate::jobs::Failure;
 use crate::jobs::Invalid;
-
-/// A raster that cannot be read.
-pub fn raster(error: &RasterError, pointer: &str) -> Invalid {
-    let code = ErrorCode::from_code(error.code()).unwrap_or(ErrorCode::Unreadable);
-    Invalid::new(pointer, code, error.expected(), error.found())
-}
+use crate::jobs::herds::key_frames::KeyFrames;
 
 /// Why there was nothing to extract, where it is the client's fault.
 pub fn extraction(error: &ExtractionError) -> Option<Invalid> {
@@ -76,4 +75,106 @@ pub fn extraction_failure(error: ExtractionError) -> Failure {
         (None, ExtractionError::Stopped(stopped)) => stopped.into(),
         (None, error) => Failure::fault(error),
     }
+}
+
+/// Why there was no animation, where it is the client's fault.
+pub fn animation(error: &AnimationError, frames: &KeyFrames) -> Option<Invalid> {
+    use AnimationError as E;
+    use ErrorCode as C;
+    let at = |index: &usize| frames.pointers.get(*index).cloned().unwrap_or_else(|| "/key_frames".to_owned());
+    let place = |p: &Point| format!("({}, {})", p.x, p.y);
+    let (pointer, code, expected, found) = match error {
+        E::TooFewKeyFrames { frames, herds } => (
+            "/key_frames".into(),
+            C::WrongCount,
+            "two key-frames, at least one of them with a herd".into(),
+            format!("{frames} with {herds} herds"),
+        ),
+        E::TimesNotRising { index, time_s, before_s } => (
+            format!("{}/time_s", at(index)),
+            C::TimesNotRising,
+            format!("a time after {before_s} s, that of the key-frame before"),
+            format!("{time_s} s"),
+        ),
+        E::OffTerrain { index, place: p } => {
+            (at(index), C::OffTerrain, "places on the terrain, not in a hole of it".into(), place(p))
+        }
+        E::InObstacle { index, animal, place: p } => (
+            animal.map_or_else(|| at(index), |animal| format!("{}/herd/{animal}", at(index))),
+            C::InObstacle,
+            "a place outside every obstacle".into(),
+            place(p),
+        ),
+        E::NumbersDiffer { index, expected, found } => (
+            format!("{}/herd", at(index)),
+            C::NumbersDiffer,
+            format!("{expected} animals, as the first key-herd has"),
+            found.to_string(),
+        ),
+        E::NoWay { from, nearest } => (
+            at(&(from + 1)),
+            C::NoWay,
+            "a place that can be reached from the key-frame before".into(),
+            format!("no way round the obstacles; the nearest place that can be reached is {}", place(nearest)),
+        ),
+        E::BadOption { field, expected, found } => {
+            let inside = field.contains('.') || matches!(*field, "step_s" | "keep_every");
+            let pointer = if inside { format!("/{}", field.replace('.', "/")) } else { format!("/gait/{field}") };
+            (pointer, C::OutOfRange, (*expected).into(), found.to_string())
+        }
+        E::TooLarge { animals, steps, most } => (
+            "/every_s".into(),
+            C::OutOfRange,
+            format!("at most {most} positions"),
+            format!("{animals} animals at {steps} times"),
+        ),
+        E::Pairing(_) | E::Stopped(_) => return None,
+    };
+    Some(Invalid::new(pointer, code, expected, found))
+}
+
+/// Why an animation ended.
+pub fn animation_failure(error: AnimationError, frames: &KeyFrames) -> Failure {
+    match (animation(&error, frames), error) {
+        (Some(faults), _) => faults.into(),
+        (None, AnimationError::Stopped(stopped)) => stopped.into(),
+        (None, AnimationError::Pairing(AssignmentError::Stopped(stopped))) => stopped.into(),
+        (None, error) => Failure::fault(error),
+    }
+}
+
+/// Why there is no key-herd, where it is the client's fault.
+pub fn key_herd(error: &KeyHerdError) -> Option<Invalid> {
+    use ErrorCode as C;
+    use KeyHerdError as E;
+    let (pointer, code, expected, found) = match error {
+        E::NoExemplar => ("/exemplar".into(), C::WrongCount, "at least one animal".into(), "none".into()),
+        E::BadEllipse { index } => {
+            (format!("/exemplar/{index}"), C::NotAnEllipse, "axes a ≥ b > 0".into(), "others".into())
+        }
+        E::BadOption { field, expected, found } => {
+            let field = if *field == "body" { "body/length_m".to_owned() } else { field.replace('.', "/") };
+            (format!("/{field}"), C::OutOfRange, (*expected).into(), found.to_string())
+        }
+        E::NoRoom { wanted, most } => (
+            "/count".into(),
+            C::NoRoomForHerd,
+            format!("at most about {most}, given the density, the obstacles and the terrain"),
+            wanted.to_string(),
+        ),
+        E::NoDensity => {
+            ("/density/map".into(), C::NoDensity, "a density above 0 where animals may stand".into(), "none".into())
+        }
+        E::Curve(PcfError::Stopped(_)) | E::Stopped(_) => return None,
+        E::Curve(error) => {
+            let expected = "animals whose correlation curve can be made".into();
+            ("/exemplar".into(), C::Inconsistent, expected, error.to_string())
+        }
+    };
+    Some(Invalid::new(pointer, code, expected, found))
+}
+
+/// Why a key-herd ended.
+pub fn key_herd_failure(error: KeyHerdError) -> Failure {
+    key_herd(&error).map_or(Failure::Stopped, Failure::Invalid)
 }

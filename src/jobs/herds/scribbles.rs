@@ -18,6 +18,7 @@ use crate::compute::run::Run;
 use crate::jobs::Invalid;
 use crate::jobs::Sources;
 use crate::jobs::herds::faults;
+use crate::jobs::rasters;
 
 const POINTER: &str = "/scribbles";
 
@@ -58,7 +59,7 @@ fn marks(labels: &Reference, grid: Grid, sources: &dyn Sources) -> Result<Vec<Ma
     let sheet = match (source.map(), source.bytes()) {
         (Some(map), _) => Sheet::from(map.clone()),
         (None, Some((_, bytes))) => Sheet::read(bytes, &SheetOptions { max_cells: MAX_PIXELS, raw: None })
-            .map_err(|error| faults::raster(&error, &pointer))?,
+            .map_err(|error| rasters::fault(&error, &pointer))?,
         (None, None) => {
             return Err(Invalid::new(pointer, ErrorCode::Unreadable, "a grey picture", "another kind of output"));
         }

@@ -5,6 +5,7 @@ use biotope_api::points::DomainInput;
 use biotope_api::points::PaintedInput;
 use biotope_api::points::PolygonInput;
 
+use crate::codec::sheet::Coding;
 use crate::codec::sheet::Sheet;
 use crate::codec::sheet::SheetOptions;
 use crate::compute::geometry::Bounds;
@@ -22,7 +23,7 @@ use crate::compute::raster::outline;
 use crate::jobs::Invalid;
 use crate::jobs::Sources;
 use crate::jobs::points::faults;
-use crate::jobs::sources::Content;
+use crate::jobs::rasters;
 
 /// Cells of a painted raster: what a painter paints.
 const MAX_CELLS: u64 = 4096 * 4096;
@@ -83,7 +84,8 @@ fn rectangle(min: [f64; 2], max: [f64; 2], pointer: &str) -> Result<Region, Inva
     Region::rectangle(bounds).map_err(|e| faults::polygon(&e, pointer))
 }
 
-fn polygon(input: &PolygonInput) -> Polygon {
+/// A polygon of the wire.
+pub fn polygon(input: &PolygonInput) -> Polygon {
     let ring = |ring: &Vec<[f64; 2]>| {
         let mut points: Vec<Point> = ring.iter().map(|p| Point::new(p[0], p[1])).collect();
         if points.len() > 1 && points.first() == points.last() {
@@ -109,27 +111,39 @@ pub fn polygons(region: &Region) -> Vec<PolygonInput> {
 pub fn painted(
     input: &PaintedInput,
     pointer: &str,
-    (around, sources): (Option<Bounds>, &dyn Sources),
+    how: (Option<Bounds>, &dyn Sources),
 ) -> Result<Raster<f32>, Invalid> {
+    let (raster, _) = raster(input, pointer, how)?;
+    Ok(raster.map(|v| if v.is_nan() { 0.0 } else { v }))
+}
+
+/// The same with NaN in cells without data, and the highest level of a grey picture.
+///
+/// # Errors
+/// As [`painted`].
+pub fn raster(
+    input: &PaintedInput,
+    pointer: &str,
+    (around, sources): (Option<Bounds>, &dyn Sources),
+) -> Result<(Raster<f32>, Option<u32>), Invalid> {
     let at = format!("{pointer}/raster");
     let source = sources.open(&input.raster).map_err(|e| e.at(&at))?;
-    let sheet = match (&source.content, source.map(), source.bytes()) {
-        (_, Some(map), _) => Sheet::from(map.clone()),
-        (_, None, Some((_, bytes))) => {
-            Sheet::read(bytes, &SheetOptions { max_cells: MAX_CELLS, raw: None }).map_err(|error| {
-                let code = ErrorCode::from_code(error.code()).unwrap_or(ErrorCode::Unreadable);
-                Invalid::new(&at, code, error.expected(), error.found())
-            })?
-        }
-        (Content::Encoded { .. } | Content::Artefact(_), None, None) => {
+    let sheet = match (source.map(), source.bytes()) {
+        (Some(map), _) => Sheet::from(map.clone()),
+        (None, Some((_, bytes))) => Sheet::read(bytes, &SheetOptions { max_cells: MAX_CELLS, raw: None })
+            .map_err(|error| rasters::fault(&error, &at))?,
+        (None, None) => {
             return Err(Invalid::new(&at, ErrorCode::Unreadable, "a raster", "another kind of document"));
         }
     };
     let grid = place(input, &sheet, around).ok_or_else(|| {
         Invalid::new(format!("{pointer}/cell_m"), ErrorCode::NoCellSize, "the side of a cell in metres", "none")
     })?;
-    let value = |v: f32| if v.is_nan() { 0.0 } else { v };
-    Ok(Raster { grid, data: sheet.values.iter().map(|v| value(*v)).collect() })
+    let levels = match sheet.coding {
+        Coding::Levels(highest) => Some(highest),
+        Coding::Values => None,
+    };
+    Ok((Raster { grid, data: sheet.values }, levels))
 }
 
 fn place(input: &PaintedInput, sheet: &Sheet, around: Option<Bounds>) -> Option<Grid> {

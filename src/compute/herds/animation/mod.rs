@@ -75,6 +75,22 @@ pub struct Animation {
     pub trajectory: Trajectory,
 }
 
+/// Whether `frames` make an animation with these options, as far as it can be said before work
+/// begins.
+///
+/// # Errors
+/// Key-frames that make no path, options out of range, tracks too large: see [`AnimationError`].
+pub fn check(
+    terrain: &Raster<f32>,
+    obstacles: &Obstacles,
+    frames: &[KeyFrame],
+    options: &AnimationOptions,
+) -> Result<(), AnimationError> {
+    frames::check(terrain, obstacles, frames)?;
+    options.check()?;
+    tracks::Plan::new(frames, options).map(drop)
+}
+
 /// Lets a herd walk over `terrain` (heights in metres) through `frames`.
 ///
 /// # Errors

@@ -29,6 +29,20 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
+    /// The path through `keys` in order, on open ground; headings are those of a chord that reaches
+    /// `reach_m` either way. `None` without two different keys.
+    pub fn on_open_ground(keys: &[Point], reach_m: f64) -> Option<Self> {
+        let mut keys = keys.to_vec();
+        keys.dedup();
+        let legs: Vec<Vec<Point>> = keys.windows(2).map(|pair| pair.to_vec()).collect();
+        (!legs.is_empty()).then(|| Self::through(&legs, reach_m))
+    }
+
+    /// Points along the path in metres, close enough to draw it.
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
     /// The path through `keys`, in order. `reach_m` is half the herd's extent: the herd frame
     /// turns as slowly as the herd is large.
     ///

@@ -188,7 +188,8 @@ fn terrain_fault(error: &RasterError) -> Invalid {
     fault(error, pointer)
 }
 
-fn fault(error: &RasterError, pointer: &str) -> Invalid {
+/// A raster that cannot be used, as a fault of the field at `pointer`.
+pub fn fault(error: &RasterError, pointer: &str) -> Invalid {
     let code = ErrorCode::from_code(error.code()).unwrap_or(ErrorCode::Unreadable);
     Invalid::new(pointer, code, error.expected(), error.found())
 }
