@@ -1,5 +1,15 @@
 //! What an `ecosystem` job says of a world in which little or nothing can live.
 
+use std::path::Path;
+use std::sync::Arc;
+
+use biotope::jobs::Artefact;
+use biotope::jobs::local::FileRequest;
+use biotope::jobs::progress::Live;
+use biotope::jobs::registry::Registry;
+use biotope::jobs::results::load;
+use biotope::storage::BlockingStore;
+use biotope::storage::Store;
 use serde_json::Value;
 use serde_json::json;
 
@@ -57,4 +67,24 @@ async fn a_request_without_species_gives_the_maps_of_the_land() {
     });
     let (summary, _) = solved(bare).await;
     assert_eq!((&summary["plants"], &summary["animals"], &summary["herds"]), (&json!([]), &json!([]), &json!(0)));
+}
+
+#[test]
+fn the_mild_sample_has_animals_no_denser_than_ten_times_their_relatives_and_carnivores_in_proportion() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("api/examples/ecosystem-tautavel-mild.json");
+    let runtime = tokio::runtime::Runtime::new().expect("a runtime");
+    let store = BlockingStore::new(Store::in_memory(), runtime.handle().clone());
+    let registry = Registry::standard().expect("schemas");
+    let entry = registry.find("ecosystem").expect("the process");
+    let request = FileRequest::open(&file).expect("the example");
+    let kept = request.solve(entry, &store, 2, &Arc::new(Live::new(1))).expect("a solve");
+    for code in ["DENSITY_OUT_OF_RANGE", "BIOMASS_OUT_OF_RANGE"] {
+        assert!(kept.warnings.iter().all(|warning| warning.code != code), "{:?}", kept.warnings);
+    }
+    let Ok(Artefact::Json(summary)) = load(&store, &kept.outputs["summary"]) else { panic!("no summary") };
+    let ratio = summary["biomass"]["carnivores_per_prey"].as_f64().expect("a ratio");
+    assert!((0.003..=0.03).contains(&ratio), "{ratio}");
+    let animals = summary["animals"].as_array().expect("animals");
+    let placed = animals.iter().filter(|a| a["individuals"].as_u64() > Some(0)).count();
+    assert!(placed >= 6 && summary["herds"].as_u64() > Some(100), "{summary}");
 }

@@ -201,7 +201,7 @@ impl Chain {
         let (animals, country) = (&request.animals.species, roads.country);
         let parameters = (&request.inputs.animals, &request.inputs.competition, &request.inputs.climate, context.seed);
         let inputs = digest(&[&country.digest], &parameters)?;
-        let key = Stage { name: "animals.competition", version: 2, inputs };
+        let key = Stage { name: "animals.competition", version: 3, inputs };
         let population = stage(context, key, || {
             let growth = Growth { request, plants };
             let habitable = Habitable {
@@ -211,7 +211,7 @@ impl Chain {
                 growth: &growth,
                 animals,
             };
-            Ok(fauna::populate(&habitable, &fauna_options(context, request, &country.regions), &context.run)?)
+            Ok(fauna::populate(&habitable, &fauna_options(context, request), &context.run)?)
         })?;
         let key = Stage { name: "animals.travel", version: 1, inputs: digest(&[&key.digest()], &())? };
         let times = stage(context, key, || {
@@ -395,25 +395,25 @@ impl PlantGrowth for Growth<'_> {
     }
 }
 
-fn fauna_options(context: &JobContext<'_>, request: &Request, regions: &Regions) -> FaunaOptions {
+fn fauna_options(context: &JobContext<'_>, request: &Request) -> FaunaOptions {
     let competition = &request.inputs.competition;
     FaunaOptions {
         seed: context.seed,
         proportion_tolerance: competition.proportion_tolerance,
         fill: competition.fill,
-        max_density_per_km2: (0..request.animals.species.len()).map(|s| max_density(request, regions, s)).collect(),
+        max_density_per_km2: (0..request.animals.species.len()).map(|s| max_density(request, s)).collect(),
         plant_seasons: vec![seasons(request); request.plants.species.len()],
         ..FaunaOptions::default()
     }
 }
 
-/// The most individuals per km², but so that one group finds room in the largest region.
-fn max_density(request: &Request, regions: &Regions, species: usize) -> f64 {
-    let areas = (0..regions.count(species)).map(|region| regions.area_m2(species, region));
-    let largest_km2 = 1e-6 * areas.fold(0.0, f64::max);
+/// The most individuals per km². The bound of the library gives way only on land so small that not
+/// one group could live on the whole of it.
+fn max_density(request: &Request, species: usize) -> f64 {
+    let land = request.height.data.iter().filter(|height| !height.is_nan()).count();
+    let land_km2 = 1e-6 * land as f64 * request.grid().cell_area_m2();
     let group = f64::from(request.animals.species[species].group_min);
-    let one_group = if largest_km2 > 0.0 { group / largest_km2 } else { 0.0 };
-    request.animals.max_density_per_km2[species].max(one_group)
+    request.animals.max_density_per_km2[species].max(group / land_km2)
 }
 
 /// The share of each month in what can be eaten of a plant (ours): half of the year's growth
