@@ -5,6 +5,7 @@ use super::worlds::World;
 use super::worlds::bison;
 use super::worlds::deer;
 use super::worlds::wolf;
+use biotope::compute::ecosystem::habitat::Habitat;
 use biotope::compute::ecosystem::planning::Activity;
 use biotope::compute::ecosystem::planning::Conflict;
 use biotope::compute::ecosystem::planning::DAY_S;
@@ -21,6 +22,8 @@ use biotope::compute::ecosystem::planning::plannings;
 use biotope::compute::ecosystem::planning::tracks;
 use biotope::compute::ecosystem::rag::Resource;
 use biotope::compute::ecosystem::summary::time_budget;
+use biotope::compute::ecosystem::trails::trails;
+use biotope::compute::geometry::Point;
 use biotope::compute::run::Run;
 use biotope::compute::run::StopFlag;
 use proptest::prelude::*;
@@ -145,6 +148,49 @@ fn every_herd_drinks_as_often_as_it_should_and_eats() {
         assert!(count(day, Activity::Drink) >= 2 && count(day, meal) >= 1, "{day:?}");
         assert!(day.visits.len() >= 6, "{}", day.visits.len());
     }
+}
+
+#[test]
+fn nobody_walks_past_the_nearest_water_and_has_no_time_to_drink_again() {
+    // Eight hours to each of the great lakes, minutes to the pond.
+    let mut slow = deer();
+    slow.mobility.speed_m_per_s = 0.02;
+    let lakes = [(70, 10), (70, 30), (70, 50), (70, 70)];
+    let world = lakes
+        .into_iter()
+        .fold(World::plain(80).with_animal(slow), |world, at| world.with_node(Resource::Water, at, 6, 0.0))
+        .with_node(Resource::Water, (14, 40), 1, 0.0)
+        .with_node(MEADOW, (10, 40), 4, 5e4)
+        .with_node(MEADOW, (10, 30), 4, 5e4)
+        .settled(0, &[5; 12]);
+    let plans = planned(&world, &Options::default());
+    assert_eq!(flaw(&world, &plans, &Options::default()), None);
+    assert!(plans.days.iter().all(|day| count(day, Activity::Drink) >= 2), "{:?}", plans.warnings);
+}
+
+#[test]
+fn herds_walk_on_the_trails_in_the_time_they_plan() {
+    let world = valley(&[12, 10]);
+    let trails = trails(&world.habitat(), &Default::default(), &Run::silent()).unwrap();
+    let habitat = Habitat { paths: Some(&trails.paths), ..world.habitat() };
+    let plans = plannings(&habitat, &Options::default(), &Run::silent()).unwrap();
+    let deer: Vec<usize> = (0..plans.herds.len()).filter(|h| plans.herds[*h].species == 0).collect();
+    let found = tracks(&habitat, &plans, &deer, Pace { step_s: 60.0, height: None }, &Run::silent()).unwrap();
+    let lines: Vec<&[Point]> = trails.lines.iter().flat_map(|line| line.points.windows(2)).collect();
+    let off = |p: Point| lines.iter().map(|w| to_segment(p, w[0], w[1])).fold(f64::INFINITY, f64::min);
+    for (track, herd) in found.iter().zip(&deer) {
+        assert!(track.places.iter().all(|p| off(*p) < 1.5 * world.grid.cell_m));
+        let speed = world.animals[0].mobility.speed_m_per_s;
+        let fastest = track.places.windows(2).map(|w| w[0].distance(w[1]) / 60.0).fold(0.0, f64::max);
+        assert!(fastest < 1.05 * speed && fastest > 0.5 * speed, "{fastest} {speed}");
+        assert!(plans.days[*herd].visits.len() > 3);
+    }
+}
+
+fn to_segment(p: Point, a: Point, b: Point) -> f64 {
+    let along = b - a;
+    let share = if along.norm_sq() > 0.0 { ((p - a).dot(along) / along.norm_sq()).clamp(0.0, 1.0) } else { 0.0 };
+    p.distance(a.lerp(b, share))
 }
 
 #[test]

@@ -18,6 +18,7 @@ use crate::compute::ecosystem::habitat::Habitat;
 use crate::compute::ecosystem::presence::presence;
 use crate::compute::ecosystem::presence::pull;
 use crate::compute::ecosystem::rag::Node;
+use crate::compute::ecosystem::rag::Rag;
 use crate::compute::ecosystem::species::AnimalSpecies;
 use crate::compute::random::Purpose;
 use crate::compute::random::hash2;
@@ -30,12 +31,17 @@ use std::ops::Range;
 const REST: Purpose = Purpose::new("planning.rest");
 const NEXT: Purpose = Purpose::new("planning.next");
 const STAY: Purpose = Purpose::new("planning.stay");
+const QUARRY: Purpose = Purpose::new("planning.quarry");
 
 /// Stays in a day, at most; with stays of ten minutes a day has no more.
 const MOST_VISITS: u64 = 400;
 
 /// How much stays of the same kind differ, as a share of their length (ours).
 const SPREAD: f64 = 0.1;
+
+/// Herds of one prey that a hunter keeps an eye on, at most (ours: bounds the work where thousands
+/// of herds live in its territory).
+const MOST_QUARRY: usize = 32;
 
 /// What all herds share.
 pub(crate) struct Scene<'a> {
@@ -55,6 +61,10 @@ pub(crate) struct Home<'a> {
     /// The herds hunted at each.
     prey: Vec<Vec<usize>>,
     pub(crate) reach: Reach<'a>,
+    /// What each node is for.
+    activities: Vec<Activity>,
+    /// The nearest node for an activity from a cell, and the way there in seconds; kept.
+    nearest: BTreeMap<(usize, Activity), Option<(usize, f64)>>,
 }
 
 impl<'a> Home<'a> {
@@ -66,12 +76,34 @@ impl<'a> Home<'a> {
         let mut haunts: Vec<usize> = haunts.collect();
         haunts.sort_unstable();
         haunts.dedup();
+        let activities = home.nodes.iter().map(|&n| Activity::with(rag.nodes[n].resource)).collect();
         Self {
+            activities,
+            nearest: BTreeMap::new(),
             nodes: &home.nodes,
             presence: presence(rag, home, &animals[home.species], &scene.options.drinking),
             reach: Reach::new(scene.habitat, home, &haunts, run),
             prey,
         }
+    }
+}
+
+impl Home<'_> {
+    /// The cell of the nearest node for an activity, and the seconds from `cell` to there.
+    fn nearest(&mut self, cell: usize, activity: Activity, rag: &Rag) -> Result<Option<(usize, f64)>, Stopped> {
+        if let Some(known) = self.nearest.get(&(cell, activity)) {
+            return Ok(*known);
+        }
+        let mut nearest: Option<(usize, f64)> = None;
+        for position in (0..self.nodes.len()).filter(|p| self.activities[*p] == activity) {
+            let goal = rag.nodes[self.nodes[position]].cell;
+            let seconds = self.reach.seconds(cell, goal)?;
+            if seconds.is_finite() && nearest.is_none_or(|(_, least)| seconds < least) {
+                nearest = Some((goal, seconds));
+            }
+        }
+        self.nearest.insert((cell, activity), nearest);
+        Ok(nearest)
     }
 }
 
@@ -87,6 +119,19 @@ pub(crate) fn days(scene: &Scene, herds: &[usize], taken: &mut Occupancy, run: &
         days.push((herd, planning, reasons));
     }
     Ok(days)
+}
+
+/// The herds that a hunter may follow, of those that are prey at a node: drawn by hash.
+fn quarry(scene: &Scene, hunter: &Herd, prey: &[usize]) -> Vec<usize> {
+    let mut drawn: Vec<(u64, usize)> =
+        prey.iter().map(|&h| (hash2(scene.options.seed, QUARRY, hunter.key(), scene.herds[h].key()), h)).collect();
+    if drawn.len() > MOST_QUARRY {
+        drawn.select_nth_unstable(MOST_QUARRY);
+        drawn.truncate(MOST_QUARRY);
+    }
+    let mut herds: Vec<usize> = drawn.into_iter().map(|(_, herd)| herd).collect();
+    herds.sort_unstable();
+    herds
 }
 
 /// A node that could be next.
@@ -116,6 +161,8 @@ struct Day<'a, 'b> {
     taken: &'b mut Occupancy,
     visits: Vec<Visit>,
     duties: Vec<Duty>,
+    /// The herds it may follow, by position of the node that names them.
+    quarry: Vec<Vec<usize>>,
     /// The prey that is followed, the node that names it, and until when.
     chase: Option<(usize, usize, f64)>,
     end: f64,
@@ -128,10 +175,25 @@ impl<'a, 'b> Day<'a, 'b> {
     fn new(scene: &'a Scene<'a>, herd: usize, home: &'b mut Home<'a>, taken: &'b mut Occupancy) -> Self {
         let herd = &scene.herds[herd];
         let species = &scene.habitat.animals[herd.species];
+        let quarry = home.prey.iter().map(|prey| quarry(scene, herd, prey)).collect();
         let end = species.active_from_s + species.active_s.clamp(0.0, DAY_S);
         let (visits, duties, chase) = (Vec::new(), Vec::new(), None);
         let (rest_cell, crowded_s, without_prey_s) = (0, 0.0, 0.0);
-        Self { scene, herd, species, home, taken, visits, duties, chase, end, rest_cell, crowded_s, without_prey_s }
+        Self {
+            scene,
+            herd,
+            species,
+            home,
+            taken,
+            visits,
+            duties,
+            quarry,
+            chase,
+            end,
+            rest_cell,
+            crowded_s,
+            without_prey_s,
+        }
     }
 
     /// The page of steps: a place to rest, stays until nothing fits the active day, and back.
@@ -141,7 +203,7 @@ impl<'a, 'b> Day<'a, 'b> {
         self.begin(rest, roomy);
         for step in 0..MOST_VISITS {
             let stops = self.stops()?;
-            match self.drawn(&stops, step) {
+            match self.drawn(&stops, step)? {
                 Some(stop) => self.visit(stop, step)?,
                 None if self.can_wait(&stops)? => self.wait(!stops.is_empty()),
                 None => break,
@@ -245,11 +307,13 @@ impl<'a, 'b> Day<'a, 'b> {
                 continue;
             }
             let just_hunted = self.here().prey;
-            for prey in self.home.prey[position].clone().into_iter().filter(|&prey| Some(prey) != just_hunted) {
-                alone = false;
-                let part = share * f64::from(self.scene.herds[prey].size) / self.prey_of(position);
-                stops.extend(self.meeting(position, prey, part)?);
+            alone &= self.home.prey[position].iter().all(|prey| Some(*prey) == just_hunted);
+            let met = self.meetings(position, share, &self.quarry[position].clone())?;
+            let is_part = self.quarry[position].len() < self.home.prey[position].len();
+            if met.is_empty() && is_part {
+                stops.extend(self.meetings(position, share, &self.home.prey[position].clone())?);
             }
+            stops.extend(met);
             let elsewhere = self.home.nodes[position] != self.here().node;
             if self.activity(position) != Activity::Hunt && (elsewhere || first) {
                 let cell = self.node(position).cell;
@@ -260,6 +324,20 @@ impl<'a, 'b> Day<'a, 'b> {
         if alone && self.activity_here() != Activity::Hunt {
             let position = self.position_here();
             stops.extend(self.stop(position, self.here().cell, 1.0)?);
+        }
+        Ok(stops)
+    }
+
+    /// The stops where the herds of a prey are, which share the pull of their node by size; the one
+    /// that was just hunted is let go.
+    fn meetings(&mut self, position: usize, share: f64, prey: &[usize]) -> Result<Vec<Stop>, Stopped> {
+        let just_hunted = self.here().prey;
+        let size = |prey: usize| f64::from(self.scene.herds[prey].size);
+        let all: f64 = prey.iter().map(|&prey| size(prey)).sum();
+        let parts: Vec<(usize, f64)> = prey.iter().map(|&prey| (prey, share * size(prey) / all)).collect();
+        let mut stops = Vec::new();
+        for (prey, part) in parts.into_iter().filter(|(prey, _)| Some(*prey) != just_hunted) {
+            stops.extend(self.meeting(position, prey, part)?);
         }
         Ok(stops)
     }
@@ -293,19 +371,47 @@ impl<'a, 'b> Day<'a, 'b> {
         Ok((met.from + shortest <= until).then_some(stop))
     }
 
-    /// The next stop: of what is due, else of all, drawn by weight among those with room.
-    fn drawn(&mut self, stops: &[Stop], step: u64) -> Option<Stop> {
-        let open: Vec<Stop> = stops.iter().copied().filter(|stop| self.leave(stop, step).is_some()).collect();
+    /// The next stop, drawn by weight among those with room: of what is due, else of all; first of
+    /// those that leave time for what is still mandatory, so that nobody walks past the nearest
+    /// water and has no time to drink again.
+    fn drawn(&mut self, stops: &[Stop], step: u64) -> Result<Option<Stop>, Stopped> {
+        let mut open: Vec<(Stop, bool)> = Vec::new();
+        for stop in stops {
+            if let Some(leave) = self.leave(stop, step) {
+                open.push((*stop, self.leaves_time(stop, leave)?));
+            }
+        }
         let now = self.here().leave_s;
         let due = self.duties.iter().filter(|duty| duty.due <= now).map(|duty| duty.activity);
         let kinds: Vec<Option<Activity>> = due.map(Some).chain([None]).collect();
         let random = self.random(NEXT, step);
-        kinds.into_iter().find_map(|kind| {
-            let fits = |stop: &&Stop| kind.is_none_or(|activity| self.activity(stop.position) == activity);
-            let fitting: Vec<&Stop> = open.iter().filter(fits).collect();
+        let draw = |kind: Option<Activity>, timely: bool| {
+            let fits = |(stop, in_time): &&(Stop, bool)| {
+                *in_time == timely && kind.is_none_or(|activity| self.activity(stop.position) == activity)
+            };
+            let fitting: Vec<Stop> = open.iter().filter(fits).map(|(stop, _)| *stop).collect();
             let weights: Vec<f64> = fitting.iter().map(|stop| stop.weight).collect();
-            weighted(&weights, random).map(|k| *fitting[k])
-        })
+            weighted(&weights, random).map(|k| fitting[k])
+        };
+        let order = [true, false].into_iter().flat_map(|timely| kinds.iter().map(move |kind| (*kind, timely)));
+        Ok(order.into_iter().find_map(|(kind, timely)| draw(kind, timely)))
+    }
+
+    /// Whether the other mandatory resources can still be visited after leaving a stop, each at the
+    /// node nearest to the one before, and the herd be back in time. Prey moves and is not looked
+    /// for here.
+    fn leaves_time(&mut self, stop: &Stop, leave: f64) -> Result<bool, Stopped> {
+        let done = self.activity(stop.position);
+        let mut left: Vec<Activity> = self.duties.iter().map(|duty| duty.activity).collect();
+        left.iter().position(|activity| *activity == done).map(|i| left.remove(i));
+        let shortest = self.scene.options.stay_s.min;
+        let (mut here, mut now) = (stop.cell, leave);
+        for activity in left.into_iter().filter(|activity| *activity != Activity::Hunt) {
+            if let Some((cell, seconds)) = self.home.nearest(here, activity, self.scene.habitat.rag)? {
+                (here, now) = (cell, now + seconds + shortest);
+            }
+        }
+        Ok(now + self.home.reach.seconds(here, self.rest_cell)? <= self.end)
     }
 
     /// When the herd would leave the stop again; `None` when there is no room for it until then.
@@ -403,8 +509,8 @@ impl<'a, 'b> Day<'a, 'b> {
 
     fn has_room(&self, position: usize, when: Range<f64>) -> bool {
         let room = self.room(position);
-        when.end <= when.start
-            || self.taken.peak(room, when).saturating_add(self.herd.size) <= self.scene.rooms.capacity[room]
+        let fits = |others: u32| others.saturating_add(self.herd.size) <= self.scene.rooms.capacity[room];
+        when.end <= when.start || fits(self.taken.most(room)) || fits(self.taken.peak(room, when))
     }
 
     fn room(&self, position: usize) -> usize {
@@ -416,7 +522,7 @@ impl<'a, 'b> Day<'a, 'b> {
     }
 
     fn activity(&self, position: usize) -> Activity {
-        Activity::with(self.node(position).resource)
+        self.home.activities[position]
     }
 
     fn activity_here(&self) -> Activity {
@@ -431,11 +537,6 @@ impl<'a, 'b> Day<'a, 'b> {
     fn position_here(&self) -> usize {
         let node = self.here().node;
         self.home.nodes.iter().position(|n| *n == node).unwrap_or(0)
-    }
-
-    /// Individuals of all herds hunted at a node.
-    fn prey_of(&self, position: usize) -> f64 {
-        self.home.prey[position].iter().map(|&h| f64::from(self.scene.herds[h].size)).sum()
     }
 
     /// A number in [0, 1) by seed, herd and step.

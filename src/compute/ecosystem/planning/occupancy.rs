@@ -34,42 +34,74 @@ impl Rooms {
     }
 }
 
-/// Stays in rooms, on a day that comes again and again: intervals are taken modulo a day.
+/// Who is in the rooms, on a day that comes again and again: intervals are taken modulo a day.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Occupancy {
-    /// Per room: (from, to, individuals) with 0 ≤ from < to ≤ a day.
-    stays: BTreeMap<usize, Vec<(f64, f64, u32)>>,
+    rooms: BTreeMap<usize, Room>,
+}
+
+/// The individuals in one room through the day.
+#[derive(Debug, Clone)]
+struct Room {
+    /// From when on how many are there: ascending from 0, up to the next entry or the day's end.
+    levels: Vec<(f64, u32)>,
+    /// The most at any moment.
+    most: u32,
 }
 
 impl Occupancy {
     /// Takes `individuals` places in a room during `when` (seconds, at most a day long).
     pub(crate) fn take(&mut self, room: usize, when: Range<f64>, individuals: u32) {
-        let pieces = pieces(when).into_iter().flatten();
-        self.stays.entry(room).or_default().extend(pieces.map(|(from, to)| (from, to, individuals)));
+        let room = self.rooms.entry(room).or_insert(Room { levels: vec![(0.0, 0)], most: 0 });
+        pieces(when).into_iter().flatten().for_each(|piece| room.add(piece, individuals));
     }
 
     /// The most individuals in a room at any moment of `when`.
     pub(crate) fn peak(&self, room: usize, when: Range<f64>) -> u32 {
-        let Some(stays) = self.stays.get(&room) else { return 0 };
-        let at = |moment: f64| -> u32 {
-            stays.iter().filter(|s| (s.0..s.1).contains(&moment)).fold(0, |sum, stay| sum.saturating_add(stay.2))
-        };
-        let of_piece = |(from, to): (f64, f64)| {
-            let starts = stays.iter().map(|stay| stay.0).filter(|start| (from..to).contains(start));
-            starts.chain([from]).map(at).max().unwrap_or(0)
-        };
-        pieces(when).into_iter().flatten().map(of_piece).max().unwrap_or(0)
+        let Some(room) = self.rooms.get(&room) else { return 0 };
+        pieces(when).into_iter().flatten().map(|piece| room.peak(piece)).max().unwrap_or(0)
+    }
+
+    /// The most individuals in a room at any moment of the day.
+    pub(crate) fn most(&self, room: usize) -> u32 {
+        self.rooms.get(&room).map_or(0, |room| room.most)
     }
 
     /// What is known of some rooms only.
     pub(crate) fn of_rooms(&self, rooms: &[usize]) -> Self {
-        let stays = rooms.iter().filter_map(|room| Some((*room, self.stays.get(room)?.clone()))).collect();
-        Self { stays }
+        Self { rooms: rooms.iter().filter_map(|room| Some((*room, self.rooms.get(room)?.clone()))).collect() }
     }
 
     /// Replaces what is known of the rooms that `other` knows.
     pub(crate) fn update(&mut self, other: Self) {
-        self.stays.extend(other.stays);
+        self.rooms.extend(other.rooms);
+    }
+}
+
+impl Room {
+    fn add(&mut self, (from, to): (f64, f64), individuals: u32) {
+        let first = self.cut(from);
+        let end = if to < DAY_S { self.cut(to) } else { self.levels.len() };
+        for (_, level) in &mut self.levels[first..end] {
+            *level = level.saturating_add(individuals);
+            self.most = self.most.max(*level);
+        }
+    }
+
+    /// The entry that begins at a moment, made when there is none.
+    fn cut(&mut self, moment: f64) -> usize {
+        let next = self.levels.partition_point(|(start, _)| *start < moment);
+        if self.levels.get(next).is_none_or(|(start, _)| *start > moment) {
+            let before = self.levels[..next].last().map_or(0, |(_, level)| *level);
+            self.levels.insert(next, (moment, before));
+        }
+        next
+    }
+
+    fn peak(&self, (from, to): (f64, f64)) -> u32 {
+        let first = self.levels.partition_point(|(start, _)| *start <= from).saturating_sub(1);
+        let during = self.levels[first..].iter().take_while(|(start, _)| *start < to);
+        during.map(|(_, level)| *level).max().unwrap_or(0)
     }
 }
 
@@ -100,6 +132,26 @@ mod tests {
         assert_eq!(rooms.peak(3, 7.0 * HOUR..20.0 * HOUR), 25);
         assert_eq!(rooms.peak(3, 10.0 * HOUR..20.0 * HOUR), 5);
         assert_eq!(rooms.peak(4, 0.0..24.0 * HOUR), 0);
+    }
+
+    #[test]
+    fn the_peak_is_the_most_that_any_moment_has() {
+        let mut rooms = Occupancy::default();
+        let stay = |k: u32| {
+            let from = f64::from(k * 7919 % 1440) * 60.0;
+            (from..from + 60.0 * f64::from(10 + k * 31 % 300), 1 + k % 5)
+        };
+        (0..60).map(stay).for_each(|(when, individuals)| rooms.take(0, when, individuals));
+        let there = |moment: f64| {
+            let is_there = |when: &Range<f64>| when.contains(&moment) || when.contains(&(moment + DAY_S));
+            (0..60).map(stay).filter(|(when, _)| is_there(when)).map(|(_, n)| n).sum::<u32>()
+        };
+        let minutes = |range: Range<u32>| range.map(|m| there(f64::from(m) * 60.0)).max().unwrap();
+        for from in (0..1300).step_by(37) {
+            let when = f64::from(from) * 60.0..f64::from(from + 100) * 60.0;
+            assert_eq!(rooms.peak(0, when), minutes(from..from + 100));
+        }
+        assert_eq!(rooms.most(0), minutes(0..1440));
     }
 
     #[test]
