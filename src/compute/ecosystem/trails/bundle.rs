@@ -4,12 +4,13 @@ use super::routes::Route;
 use super::uneven::Unevenness;
 use crate::compute::ecosystem::curve::Ground;
 use crate::compute::ecosystem::ways::AROUND;
+use crate::compute::graph::shortest_paths::Network;
+use crate::compute::graph::shortest_paths::Quest;
+use crate::compute::graph::shortest_paths::shortest_paths;
 use crate::compute::raster::Grid;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use rayon::prelude::*;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// How much more a straight run may cost than the course it replaces (ours): a search over
 /// neighbouring cells prefers eight directions, animals do not.
@@ -39,7 +40,7 @@ pub(crate) fn bundle(routes: &mut [Route], ground: &Ground, bending: &Bending, r
     for turn in turns(routes, ground.grid, bending.reach_cells) {
         let relay = |&i: &usize| {
             run.check()?;
-            Ok(relaid(&routes[i], ground, &field))
+            relaid(&routes[i], ground, &field, run)
         };
         let courses: Vec<Option<Vec<u32>>> = turn.par_iter().map(relay).collect::<Result<_, Stopped>>()?;
         for (&i, course) in turn.iter().zip(courses) {
@@ -89,45 +90,66 @@ struct Field<'a> {
 }
 
 /// The cheapest course within reach of the present one.
-fn relaid(route: &Route, ground: &Ground, field: &Field) -> Option<Vec<u32>> {
-    let band = Band::around(ground.grid, &route.cells, field.bending.reach_cells);
-    let (from, to) = (*route.cells.first()? as usize, *route.cells.last()? as usize);
-    let start = band.place(from)?;
-    let goal = band.place(to)?;
-    let mut best = vec![f64::INFINITY; band.len];
-    let mut before = vec![u32::MAX; band.len];
-    let mut hardship = vec![f32::NAN; band.len];
-    let mut queue = BinaryHeap::from([Reverse((0u64, start as u32, from as u32))]);
-    best[start] = 0.0;
-    while let Some(Reverse((bits, here, cell))) = queue.pop() {
-        let here = here as usize;
-        if f64::from_bits(bits) > best[here] {
-            continue;
-        }
-        if here == goal {
-            break;
-        }
-        let to = AROUND.map(|(dx, dy)| ground.grid.offset(cell as usize, dx, dy));
-        let steps = ground.ways.steps_s(route.species, cell as usize, &to);
-        for (next, seconds) in to.into_iter().zip(steps) {
-            let Some((next, place)) = next.and_then(|next| Some((next, band.place(next)?))) else { continue };
-            if hardship[place].is_nan() {
-                hardship[place] = field.hardship(next) as f32;
-            }
-            let eased = field.eased(route, (cell as usize, next), seconds);
-            let reached = best[here] + eased * f64::from(hardship[place]);
-            if reached < best[place] {
-                (best[place], before[place]) = (reached, cell);
-                queue.push(Reverse((reached.to_bits(), place as u32, next as u32)));
-            }
-        }
-    }
+fn relaid(route: &Route, ground: &Ground, field: &Field, run: &Run) -> Result<Option<Vec<u32>>, Stopped> {
+    let bed = Bed::new(route, ground, field);
+    let ends = [route.cells.first(), route.cells.last()].map(|cell| bed.band.place(*cell? as usize));
+    let [Some(start), Some(goal)] = ends else { return Ok(None) };
+    let found = shortest_paths(&bed, Quest { sources: &[(start, 0.0)], targets: &[goal] }, run)?;
+    let course: Vec<u32> = found.path(&bed, goal).iter().map(|place| bed.band.cells[*place]).collect();
     let step = |a: u32, b: u32| {
         let (a, b) = (a as usize, b as usize);
         let there_and_back = (ground.ways.step_s(route.species, a, b), ground.ways.step_s(route.species, b, a));
         field.eased(route, (a, b), there_and_back) * field.hardship(b)
     };
-    best[goal].is_finite().then(|| ground.straight_by(route.species, &trace(&band, &before, from, to), SLACK, step))
+    Ok((!course.is_empty()).then(|| ground.straight_by(route.species, &course, SLACK, step)))
+}
+
+/// The ground on which a route is laid: the band around its first course, as a graph.
+struct Bed<'a> {
+    route: &'a Route,
+    ground: &'a Ground<'a>,
+    field: &'a Field<'a>,
+    band: Band,
+    /// What the unevenness of each cell of the band costs on top, as a factor.
+    hardship: Vec<f32>,
+}
+
+impl<'a> Bed<'a> {
+    fn new(route: &'a Route, ground: &'a Ground<'a>, field: &'a Field<'a>) -> Self {
+        let band = Band::around(ground.grid, &route.cells, field.bending.reach_cells);
+        let hardship = band.cells.iter().map(|&cell| field.hardship(cell as usize) as f32).collect();
+        Self { route, ground, field, band, hardship }
+    }
+}
+
+impl Network for Bed<'_> {
+    fn len(&self) -> usize {
+        self.band.cells.len()
+    }
+
+    fn edges(&self, node: usize, mut visit: impl FnMut(u16, usize, f32)) {
+        let cell = self.band.cells[node] as usize;
+        let to = AROUND.map(|(dx, dy)| self.ground.grid.offset(cell, dx, dy));
+        let steps = self.ground.ways.steps_s(self.route.species, cell, &to);
+        for (mark, (next, seconds)) in to.into_iter().zip(steps).enumerate() {
+            let Some((next, place)) = next.and_then(|next| Some((next, self.band.place(next)?))) else { continue };
+            let eased = self.field.eased(self.route, (cell, next), seconds);
+            if eased.is_finite() {
+                visit(mark as u16, place, eased as f32 * self.hardship[place]);
+            }
+        }
+    }
+
+    fn origin(&self, node: usize, mark: u16) -> usize {
+        let (dx, dy) = AROUND[usize::from(mark)];
+        let before = self.ground.grid.offset(self.band.cells[node] as usize, -dx, -dy);
+        before.and_then(|cell| self.band.place(cell)).unwrap_or(node)
+    }
+
+    fn cheap_edge(&self) -> f32 {
+        let seconds = self.ground.seconds(self.route.species, &self.route.cells);
+        (0.5 * seconds / self.route.cells.len() as f64 * (1.0 - self.field.bending.attraction)) as f32
+    }
 }
 
 impl Field<'_> {
@@ -145,18 +167,6 @@ impl Field<'_> {
     }
 }
 
-fn trace(band: &Band, before: &[u32], from: usize, to: usize) -> Vec<u32> {
-    let mut cells = vec![to as u32];
-    let mut cell = to;
-    while cell != from {
-        let Some(place) = band.place(cell) else { break };
-        cell = before[place] as usize;
-        cells.push(cell as u32);
-    }
-    cells.reverse();
-    cells
-}
-
 /// The cells within a number of rows and columns of a route, numbered row by row: a search in
 /// there needs memory for the band only.
 struct Band {
@@ -164,7 +174,8 @@ struct Band {
     first_row: usize,
     /// Per row: (first column, end column, number of the first cell), ascending, disjoint.
     rows: Vec<Vec<(u32, u32, u32)>>,
-    len: usize,
+    /// The cell of each number.
+    cells: Vec<u32>,
 }
 
 impl Band {
@@ -182,9 +193,10 @@ impl Band {
                 spans[near - low].push((first as u32, end as u32));
             }
         }
-        let mut len = 0;
-        let rows = spans.into_iter().map(|spans| numbered(merged(spans), &mut len)).collect();
-        Self { width: grid.width, first_row: low, rows, len: len as usize }
+        let mut cells = Vec::new();
+        let number = |(row, spans)| numbered(grid, low + row, merged(spans), &mut cells);
+        let rows = spans.into_iter().enumerate().map(number).collect();
+        Self { width: grid.width, first_row: low, rows, cells }
     }
 
     /// The number of a cell of the terrain in the band.
@@ -208,10 +220,10 @@ fn merged(mut spans: Vec<(u32, u32)>) -> Vec<(u32, u32)> {
     all
 }
 
-fn numbered(spans: Vec<(u32, u32)>, len: &mut u32) -> Vec<(u32, u32, u32)> {
+fn numbered(grid: &Grid, row: usize, spans: Vec<(u32, u32)>, cells: &mut Vec<u32>) -> Vec<(u32, u32, u32)> {
     let mut number = |(first, end): (u32, u32)| {
-        let start = *len;
-        *len += end - first;
+        let start = cells.len() as u32;
+        cells.extend((first..end).map(|column| grid.index(column as usize, row) as u32));
         (first, end, start)
     };
     spans.into_iter().map(&mut number).collect()
@@ -247,7 +259,7 @@ mod tests {
         let mut places: Vec<usize> = (0..grid.len()).filter_map(|cell| band.place(cell)).collect();
         assert!((0..grid.len()).all(|cell| !near(cell) || band.place(cell).is_some()));
         places.sort_unstable();
-        assert_eq!(places, (0..band.len).collect::<Vec<_>>());
+        assert_eq!(places, (0..band.cells.len()).collect::<Vec<_>>());
     }
 
     #[test]

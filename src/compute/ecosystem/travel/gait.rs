@@ -49,11 +49,16 @@ impl Gait {
 
     /// Whether a rise of `slope` is walked in both directions.
     pub fn both_ways(&self, slope: f32) -> bool {
-        slope.abs() <= self.up.min(self.down)
+        slope.abs() <= self.both_ways_up_to()
     }
 
-    /// By linear interpolation in the table (relative error below 10⁻⁵).
-    fn unbounded(&self, slope: f32) -> f32 {
+    /// The steepest slope that is walked in both directions.
+    pub(super) fn both_ways_up_to(&self) -> f32 {
+        self.up.min(self.down)
+    }
+
+    /// [`Gait::slowness`] of a slope that is known to be walked: by linear interpolation in the table (relative error below 10⁻⁵).
+    pub(super) fn unbounded(&self, slope: f32) -> f32 {
         let at = (slope.clamp(-STEEPEST, STEEPEST) + STEEPEST) * FINENESS;
         let i = (at as usize).min(self.slowness.len() - 2);
         let (a, b) = (self.slowness[i], self.slowness[i + 1]);

@@ -79,21 +79,27 @@ impl Steps<'_> {
     pub(super) fn around(&self, x: usize, y: usize, reach: isize) -> Around<'_> {
         let grid = self.grid();
         let cell = grid.index(x, y);
-        let region = self.region(cell);
-        let mut around = Around { steps: self, cell, open: [false; SIDE * SIDE], height: [0.0; SIDE * SIDE] };
+        let (part, region, height) = (self.regions.part.data[cell], self.region(cell), self.height(cell));
+        let gentle = 0.5 * self.gait.both_ways_up_to() * grid.cell_m as f32;
+        let mut around =
+            Around { steps: self, cell, open: [false; SIDE * SIDE], height: [0.0; SIDE * SIDE], is_easy: true };
         for dy in -reach..=reach {
             let row = y.wrapping_add_signed(dy);
             if row >= grid.height {
+                around.is_easy = false;
                 continue;
             }
             for dx in -reach..=reach {
                 let column = x.wrapping_add_signed(dx);
                 if column >= grid.width {
+                    around.is_easy = false;
                     continue;
                 }
                 let (at, place) = (grid.index(column, row), local((dx, dy)));
-                around.open[place] = self.region(at) == region;
+                let open = self.regions.part.data[at] == part || self.region(at) == region;
+                around.open[place] = open;
                 around.height[place] = self.height(at);
+                around.is_easy &= open && (self.height(at) - height).abs() <= gentle;
             }
         }
         around
@@ -114,6 +120,9 @@ pub(super) struct Around<'a> {
     cell: usize,
     open: [bool; SIDE * SIDE],
     height: [f32; SIDE * SIDE],
+    /// Whether all of them are there and open, and no two differ by more than is climbed from cell
+    /// to cell: then every move can be walked.
+    is_easy: bool,
 }
 
 impl Around<'_> {
@@ -126,6 +135,7 @@ impl Around<'_> {
         let step = MOVES[which];
         match which {
             _ if !self.open[local(step)] => f32::INFINITY,
+            0..NEIGHBOURS if self.is_easy => self.straight((0, 0), step),
             0..4 => self.straight((0, 0), step),
             4..NEIGHBOURS => self.diagonal((0, 0), step),
             _ => self.knight(step),
@@ -138,6 +148,7 @@ impl Around<'_> {
         let back = (-step.0, -step.1);
         match which {
             _ if !self.open[local(step)] => (f32::INFINITY, f32::INFINITY),
+            _ if self.is_easy => (self.straight((0, 0), step), self.straight(step, back)),
             0..4 => (self.straight((0, 0), step), self.straight(step, back)),
             _ => (self.diagonal((0, 0), step), self.diagonal(step, back)),
         }
@@ -152,6 +163,9 @@ impl Around<'_> {
     /// Seconds over a rise between two cells `cells` apart.
     fn climb(&self, from: (isize, isize), to: (isize, isize), rise: f32, cells: f32) -> f32 {
         let run = cells * self.steps.grid().cell_m as f32;
+        if self.is_easy {
+            return run * self.steps.gait.unbounded(rise / run);
+        }
         let slowness = self.steps.gait.slowness(rise / run);
         if slowness.is_infinite() && self.is_waypoint(from) && self.is_waypoint(to) {
             return run * self.steps.gait.forced(rise / run);
@@ -174,7 +188,8 @@ impl Around<'_> {
 
     fn knight(&self, step: (isize, isize)) -> f32 {
         let (side, corner) = passed(step);
-        if !self.open[local(side)] || !self.open[local(corner)] || !self.is_walked(step) {
+        let is_walked = || self.open[local(side)] && self.open[local(corner)] && self.is_walked(step);
+        if !self.is_easy && !is_walked() {
             return f32::INFINITY;
         }
         let half = 0.5 * 5f32.sqrt();
