@@ -213,7 +213,7 @@ impl Chain {
             };
             Ok(fauna::populate(&habitable, &fauna_options(context, request), &context.run)?)
         })?;
-        let key = Stage { name: "animals.travel", version: 1, inputs: digest(&[&key.digest()], &())? };
+        let key = Stage { name: "animals.travel", version: 2, inputs: digest(&[&key.digest()], &())? };
         let times = stage(context, key, || {
             let mut rag = population.rag.clone();
             roads.travel(&context.run)?.fill_times(&mut rag, &context.run)?;
@@ -241,7 +241,7 @@ impl Chain {
 
     fn trails_stage(context: &JobContext<'_>, request: &Request, wildlife: &Wildlife) -> Result<Stage, Failure> {
         let parameters = (&request.inputs.trails, context.seed);
-        Ok(Stage { name: "trails", version: 2, inputs: digest(&[&wildlife.digest], &parameters)? })
+        Ok(Stage { name: "trails", version: 3, inputs: digest(&[&wildlife.digest], &parameters)? })
     }
 
     /// What grows beside the trails: the plants under them are removed (L 6.1). Not stored: one
@@ -266,7 +266,7 @@ impl Chain {
     ) -> Result<Days, Failure> {
         let parameters = (&request.inputs.planning, context.seed);
         let trodden = Self::trails_stage(context, request, wildlife)?.digest();
-        let key = Stage { name: "planning", version: 2, inputs: digest(&[&trodden], &parameters)? };
+        let key = Stage { name: "planning", version: 3, inputs: digest(&[&trodden], &parameters)? };
         stage(context, key, || {
             let habitat =
                 Habitat { paths: Some(&trails.paths), ..habitat(request, wildlife, roads.travel(&context.run)?) };

@@ -393,8 +393,8 @@ impl<'a, 'b> Day<'a, 'b> {
             let weights: Vec<f64> = fitting.iter().map(|stop| stop.weight).collect();
             weighted(&weights, random).map(|k| fitting[k])
         };
-        let order = [true, false].into_iter().flat_map(|timely| kinds.iter().map(move |kind| (*kind, timely)));
-        Ok(order.into_iter().find_map(|(kind, timely)| draw(kind, timely)))
+        let mut order = [true, false].into_iter().flat_map(|timely| kinds.iter().map(move |kind| (*kind, timely)));
+        Ok(order.find_map(|(kind, timely)| draw(kind, timely)))
     }
 
     /// Whether the other mandatory resources can still be visited after leaving a stop, each at the
@@ -403,7 +403,9 @@ impl<'a, 'b> Day<'a, 'b> {
     fn leaves_time(&mut self, stop: &Stop, leave: f64) -> Result<bool, Stopped> {
         let done = self.activity(stop.position);
         let mut left: Vec<Activity> = self.duties.iter().map(|duty| duty.activity).collect();
-        left.iter().position(|activity| *activity == done).map(|i| left.remove(i));
+        if let Some(i) = left.iter().position(|activity| *activity == done) {
+            left.remove(i);
+        }
         let shortest = self.scene.options.stay_s.min;
         let (mut here, mut now) = (stop.cell, leave);
         for activity in left.into_iter().filter(|activity| *activity != Activity::Hunt) {
