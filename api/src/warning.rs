@@ -59,7 +59,6 @@ warning_codes! {
     // Herds.
     SuspectAnimals = "SUSPECT_ANIMALS", "Regions of outlying size, proportion or shape may not be one animal each.";
     NoHull = "NO_HULL", "A herd of one, two or in a line has no area: it has no curve, field or density map.";
-    AnimalsForced = "ANIMALS_FORCED", "Animals stand where they do although it did not bring the herd nearer to its exemplar.";
     LateAnimals = "LATE_ANIMALS", "Animals were not at their place at a key-frame; the report says who and why.";
     KeyFrameUnreachable = "KEY_FRAME_UNREACHABLE", "No animal can reach a key-frame in its time; the message says how much is needed.";
     HerdSizeDiffers = "HERD_SIZE_DIFFERS", "The key-herd has another number of animals than the herd of the ecosystem.";

@@ -245,8 +245,4 @@ fn warnings(context: &mut JobContext<'_>, report: &key_herd::KeyHerdReport) {
         let message = "the exemplar is a herd of one, two or in a line, which has no area to learn from";
         context.warn(Warning::new(WarningCode::NoHull, "/exemplar", message));
     }
-    if report.forced > 0 {
-        let message = format!("{} animals were placed although the herd's curve did not come nearer", report.forced);
-        context.warn(Warning::new(WarningCode::AnimalsForced, "/count", message).with_count(report.forced as u64));
-    }
 }

@@ -93,7 +93,6 @@ fn frame(input: &KeyFrameInput, pointer: &str, sources: &dyn Sources) -> Result<
 }
 
 /// Key-frames along the path of a herd, none near those that are given; and the herd's size.
-#[expect(clippy::type_complexity, reason = "key-frames with their pointers, used once")]
 fn along_path(
     input: &AlongPathInput,
     given: &[(KeyFrame, String)],
