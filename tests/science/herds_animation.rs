@@ -2,6 +2,7 @@
 
 use super::herds_drawn::gap;
 use super::herds_made::BODY;
+use super::herds_made::exemplar;
 use super::herds_made::herd;
 use biotope::compute::geometry::CellGrid;
 use biotope::compute::geometry::Ellipse;
@@ -15,6 +16,9 @@ use biotope::compute::herds::animation::KeyPose;
 use biotope::compute::herds::animation::Why;
 use biotope::compute::herds::animation::animate;
 use biotope::compute::herds::contact;
+use biotope::compute::herds::key_herd::KeyHerdOptions;
+use biotope::compute::herds::key_herd::Site;
+use biotope::compute::herds::key_herd::key_herd;
 use biotope::compute::random::Purpose;
 use biotope::compute::random::Stream;
 use biotope::compute::raster::Grid;
@@ -110,14 +114,51 @@ fn with_half_as_much_time_again_as_needed_the_herd_is_in_place_on_open_ground() 
             .iter()
             .map(|a| a.needed_s)
             .collect();
+        let held = contact::deepest(&from).max(contact::deepest(&to));
         let frames = [at(0.0, from), via(1.5 * needed[0], 240.0, 160.0), at(1.5 * (needed[0] + needed[1]), to)];
         let animation = walk(&flat, &none, &frames, &options);
         let arrival = animation.report.arrivals.last().unwrap();
         println!("{count} animals, turn {turn}: {:.3} on place, {:?}", arrival.on_place, arrival.late.first());
         assert!(arrival.on_place >= 0.95, "{count}: {} {:?}", arrival.on_place, arrival.late);
         assert_eq!(arrival.cannot_reach, 0);
-        keeps_the_laws(&animation, &options, &none, 0.0);
+        keeps_the_laws(&animation, &options, &none, held);
     }
+}
+
+/// The exemplar's animals laid out at a place, and seconds needed from the first to the second.
+fn chained(count: usize, exemplars: [usize; 2]) -> [Vec<Ellipse>; 2] {
+    let none = Obstacles::default();
+    let places = [(Point::new(200.0, 200.0), 0.2), (Point::new(360.0, 300.0), 0.9)];
+    [0, 1].map(|k| {
+        let (centre, direction) = places[k];
+        let options =
+            KeyHerdOptions { count, centre, direction, seed: k as u64, body: BODY, ..KeyHerdOptions::default() };
+        let exemplar = exemplar(exemplars[k], k as u64);
+        key_herd(&exemplar, Site { terrain: None, obstacles: &none }, &options, &Run::silent()).unwrap().ellipses
+    })
+}
+
+#[test]
+fn key_herds_as_they_are_made_are_reached_in_time() {
+    let (flat, none, options) = (hills(0.0), Obstacles::default(), AnimationOptions::default());
+    let mut on_place = Vec::new();
+    for (count, exemplars) in [(60, [220, 220]), (150, [220, 43])] {
+        let [from, to] = chained(count, exemplars);
+        let held = contact::deepest(&from).max(contact::deepest(&to));
+        let probe = [at(0.0, from.clone()), at(1000.0, to.clone())];
+        let needed = walk(&flat, &none, &probe, &AnimationOptions { step_s: 5.0, ..options.clone() }).report.arrivals
+            [0]
+        .needed_s;
+        let animation = walk(&flat, &none, &[at(0.0, from), at(1.5 * needed, to)], &options);
+        let arrival = &animation.report.arrivals[0];
+        println!(
+            "{count} chained: {:.3} on place, waited {:.0} s of {:.0}",
+            arrival.on_place, animation.report.waited_s, arrival.given_s
+        );
+        keeps_the_laws(&animation, &options, &none, held);
+        on_place.push(arrival.on_place);
+    }
+    assert!(on_place.iter().all(|share| *share >= 0.95), "{on_place:?}");
 }
 
 #[test]

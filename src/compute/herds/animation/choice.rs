@@ -7,10 +7,12 @@ use super::guides::Progress;
 use super::motion::Gait;
 use super::motion::Mover;
 use super::motion::Wish;
+use super::motion::wrapped;
 use super::steering::Company;
 use super::steering::Neighbour;
 use super::terrain::Ground;
 use super::traffic;
+use super::traffic::TRIES;
 use crate::compute::geometry::CellGrid;
 use crate::compute::geometry::Point;
 use crate::compute::herds::contact::Footprint;
@@ -50,13 +52,22 @@ pub(super) struct Scene<'a> {
 
 /// A step as an animal would make it if it were alone on the road, and what kept it from more.
 pub(super) struct Move {
-    pub to: Mover,
+    /// All of it, straight on without turning, and the turn alone.
+    pub tries: [Mover; TRIES],
     /// It wished to go faster than V_max.
     pub limited: bool,
     /// It wished to go faster than the slope allows.
     pub slowed: bool,
     /// An obstacle stood in its way.
     pub blocked: bool,
+}
+
+impl Move {
+    /// How far any part of the body of `was`, with a semi-major axis of `a`, moves at most.
+    pub(super) fn farthest(&self, was: &Mover, a: f64) -> f64 {
+        let of = |to: &Mover| to.place.distance(was.place) + a * wrapped(to.heading - was.heading).abs();
+        self.tries.iter().map(of).fold(0.0, f64::max)
+    }
 }
 
 /// What an animal heads for.
@@ -137,8 +148,9 @@ impl Chooser<'_> {
         if !free && let Some(away) = self.ground.clearance().away(mover.place) {
             (to, _) = step(Wish { velocity: along_rim(velocity, away), ..wish });
         }
+        let straight = led(mover, mover.straight(&to, gait), scene.step_s);
         Move {
-            to,
+            tries: [to, self.admitted(mover, straight, (body.1, scene.step_s)).0, mover.turned(&to)],
             limited: wanted.norm() > limit && factor > 0.9,
             slowed: wanted.norm() > limit && factor <= 0.9,
             blocked: !free || matches!(aim, Aim::Detour(_)),
@@ -211,7 +223,7 @@ impl Chooser<'_> {
     fn admitted(&self, from: &Mover, to: Mover, (half_width, step_s): (f64, f64)) -> (Mover, bool) {
         let to = self.within_max_speed(from, to, step_s);
         for share in [1.0, 0.5, 0.25] {
-            let shorter = ahead(from, Mover { speed: to.speed * share, ..to }, step_s);
+            let shorter = led(from, Mover { speed: to.speed * share, ..to }, step_s);
             if shorter.speed == 0.0 || self.ground.admits(shorter.place, from.place, half_width) {
                 return (shorter, share == 1.0);
             }
@@ -229,14 +241,14 @@ impl Chooser<'_> {
             if length <= most {
                 return cut;
             }
-            cut = ahead(from, Mover { speed: cut.speed * (most / length) * (1.0 - 1e-9), ..cut }, step_s);
+            cut = led(from, Mover { speed: cut.speed * (most / length) * (1.0 - 1e-9), ..cut }, step_s);
         }
-        ahead(from, Mover { speed: 0.0, course: to.heading, ..to }, step_s)
+        led(from, Mover { speed: 0.0, course: to.heading, ..to }, step_s)
     }
 }
 
 /// `to` placed where its course and speed lead from `from` within a step.
-fn ahead(from: &Mover, to: Mover, step_s: f64) -> Mover {
+fn led(from: &Mover, to: Mover, step_s: f64) -> Mover {
     Mover { place: from.place + Point::from_angle(to.course) * (to.speed * step_s), ..to }
 }
 

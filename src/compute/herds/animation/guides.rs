@@ -61,6 +61,10 @@ struct Interval {
     herds: (bool, bool),
 }
 
+/// Before a key-herd the formation is complete at this share of the interval (ours): animals that
+/// cannot go sideways make up what they lack across the path while they still walk along it.
+const MORPHED_BY: f64 = 0.8;
+
 /// All guides of an animation.
 pub(super) struct Guides<'a> {
     trajectory: &'a Trajectory,
@@ -118,6 +122,11 @@ impl<'a> Guides<'a> {
         self.intervals.len()
     }
 
+    /// Whether there is a key-herd at the end of an interval.
+    pub(super) fn ends_in_herd(&self, interval: usize) -> bool {
+        self.intervals[interval].herds.1
+    }
+
     fn frame(&self, s: f64) -> HerdFrame {
         HerdFrame { origin: self.trajectory.at(s), along: self.trajectory.heading(s) }
     }
@@ -135,7 +144,8 @@ impl<'a> Guides<'a> {
     fn blend(&self, progress: Progress) -> (&Formation, &Formation, f64) {
         let interval = self.intervals[progress.interval];
         let (w0, w1) = interval.weights;
-        (&self.formations[interval.from], &self.formations[interval.to], w0 + (w1 - w0) * progress.share)
+        let morphed = if interval.herds.1 { (progress.share / MORPHED_BY).min(1.0) } else { progress.share };
+        (&self.formations[interval.from], &self.formations[interval.to], w0 + (w1 - w0) * morphed)
     }
 
     /// Where the guide of `animal` is, in metres.

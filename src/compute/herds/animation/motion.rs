@@ -128,6 +128,18 @@ impl Mover {
         Self { place, heading: wrapped(heading), course: wrapped(course), speed }
     }
 
+    /// As much of the step to `to` as can be made without turning the body.
+    pub(super) fn straight(&self, to: &Self, gait: &Gait) -> Self {
+        let course = self.heading + wrapped(to.course - self.heading).clamp(-gait.max_slip_rad, gait.max_slip_rad);
+        let speed = to.speed * libm::cos(wrapped(to.course - course)).max(0.0);
+        Self { heading: self.heading, course: wrapped(course), speed, ..*self }
+    }
+
+    /// Only the turn of the step to `to`.
+    pub(super) fn turned(&self, to: &Self) -> Self {
+        Self { heading: to.heading, course: to.heading, speed: 0.0, ..*self }
+    }
+
     /// The animal when it has to stay where it was.
     pub(super) fn held(&self) -> Self {
         Self { speed: 0.0, course: self.heading, ..*self }

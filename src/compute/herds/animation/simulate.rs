@@ -19,6 +19,8 @@ use super::tracks::Plan;
 use super::tracks::Pose;
 use super::tracks::Tracks;
 use super::traffic;
+use super::traffic::Bodies;
+use super::traffic::TRIES;
 use crate::compute::geometry::Point;
 use crate::compute::herds::contact::Footprint;
 use crate::compute::run::Run;
@@ -34,6 +36,14 @@ const STRAGGLER_BODY_LENGTHS: f64 = 2.0;
 
 /// Seconds for which the herd waits for the same straggler before it goes on without it (ours).
 const PATIENCE_S: f64 = 8.0;
+
+/// Up to this share of its top speed the herd frame waits for stragglers; above it less and less,
+/// for it would be late itself (ours).
+const UNHURRIED: f64 = 0.7;
+
+/// Seconds that any herd is given to settle at a key-herd, and the most of the interval (ours).
+const SETTLING_S: f64 = 10.0;
+const SETTLING_SHARE: f64 = 0.2;
 
 /// Overlap allowed everywhere, as a share of a body's width.
 const OVERLAP: f64 = 0.1;
@@ -55,6 +65,8 @@ pub struct Simulation<'a> {
     progress: Progress,
     /// Speed of the herd frame as a share of the fastest that guides allow.
     pace: f64,
+    /// Seconds from the key-frame behind to the one ahead.
+    given_s: f64,
     waited_s: f64,
     longest: f64,
 }
@@ -84,6 +96,7 @@ impl<'a> Simulation<'a> {
             straggling: vec![0.0; guides.len()],
             progress,
             pace: 0.0,
+            given_s: 0.0,
             waited_s: 0.0,
             longest,
         }
@@ -100,6 +113,7 @@ impl<'a> Simulation<'a> {
         let (mut done, mut start_s) = (0, plan.start_s);
         for (interval, &(steps, step_s)) in plan.intervals.iter().enumerate() {
             self.hindered.fill(Hindrance::default());
+            self.given_s = steps as f64 * step_s;
             for step in 1..=steps {
                 let left_s = (steps - step + 1) as f64 * step_s;
                 self.step(interval, left_s, step_s);
@@ -112,9 +126,8 @@ impl<'a> Simulation<'a> {
                     tracks.poses.extend(self.poses());
                 }
             }
-            let given_s = steps as f64 * step_s;
-            start_s += given_s;
-            report.arrivals.push(self.arrival(interval, start_s, given_s));
+            start_s += self.given_s;
+            report.arrivals.push(self.arrival(interval, start_s));
         }
         run.progress("animation.steps", total as u64, total as u64)?;
         report.waited_s = self.waited_s;
@@ -138,21 +151,26 @@ impl<'a> Simulation<'a> {
             .with_min_len(CHUNK)
             .map(|i| self.chooser.choose(i, &scene))
             .collect();
-        // 3. Where two would collide, one stays.
-        let new: Vec<Footprint> =
-            moves.iter().zip(&self.guides.bodies).map(|(m, body)| traffic::footprint(&m.to, *body)).collect();
-        let widest = self.guides.bodies.iter().map(|b| b.1).fold(f64::INFINITY, f64::min);
-        let allowed = (2.0 * OVERLAP * widest).max(self.guides.depth_held(self.progress.interval));
-        let reach = 2.0 * (self.longest + self.options.gait.max_speed_m_per_s * step_s);
-        let goes = traffic::settle(&scene.prints, &new, (&scene.grid, reach), allowed);
+        // 3. Where two would collide, one makes less of its step.
+        let bodies = &self.guides.bodies;
+        let of = |(m, body): (&Move, &(f64, f64))| m.tries.map(|to| traffic::footprint(&to, *body));
+        let tries: Vec<[Footprint; TRIES]> = moves.iter().zip(bodies).map(of).collect();
+        let farthest = |(i, m): (usize, &Move)| m.farthest(&self.movers[i], bodies[i].0);
+        let farthest: Vec<f64> = moves.iter().enumerate().map(farthest).collect();
+        let narrowest = bodies.iter().map(|b| b.1).fold(f64::INFINITY, f64::min);
+        let allowed = (2.0 * OVERLAP * narrowest).max(self.guides.depth_held(self.progress.interval));
+        let gait = &self.options.gait;
+        let step_m = (gait.max_speed_m_per_s + gait.max_turn_rad_per_s * self.longest) * step_s;
+        let bodies = Bodies { old: &scene.prints, tries: &tries, moves: &farthest };
+        let levels = traffic::settle(&bodies, (&scene.grid, 2.0 * (self.longest + step_m)), allowed);
         // 4. The rest moves.
-        for (i, (chosen, goes)) in moves.into_iter().zip(goes).enumerate() {
+        for (i, (chosen, level)) in moves.into_iter().zip(levels).enumerate() {
             let h = &mut self.hindered[i];
             h.distance += u32::from(chosen.limited);
             h.slope += u32::from(chosen.slowed);
             h.obstacle += u32::from(chosen.blocked);
-            h.crowding += u32::from(!goes);
-            self.movers[i] = if goes { chosen.to } else { self.movers[i].held() };
+            h.crowding += u32::from(level > 0);
+            self.movers[i] = chosen.tries.get(usize::from(level)).copied().unwrap_or(self.movers[i].held());
         }
     }
 
@@ -168,11 +186,14 @@ impl<'a> Simulation<'a> {
         };
         let (rest, top) = (1.0 - self.progress.share, self.top_rate());
         let last = self.progress.interval + 1 == self.guides.intervals();
-        // At the end of the path the frame brakes and the herd settles: it leaves that much earlier.
-        let spare_s = if last { BRAKE_S * (0.5 * self.pace + 1.0) } else { 0.0 };
+        // At a key-herd the frame brakes and the herd settles: it leaves that much earlier.
+        let settles = self.guides.ends_in_herd(self.progress.interval);
+        let spare_s = if settles { self.settling_s() + BRAKE_S * (0.5 * self.pace + 1.0) } else { 0.0 };
         let wanted = rest / (left_s - spare_s).max(step_s);
-        let braking = if last { (2.0 * rest * top / BRAKE_S).sqrt() } else { f64::INFINITY };
-        let rate = (wanted * wait).min((self.pace + step_s / BRAKE_S) * top).min(braking).min(top);
+        let braking = if settles { (2.0 * rest * top / BRAKE_S).sqrt() } else { f64::INFINITY };
+        // Nobody is waited for when that would make all late.
+        let haste = ((wanted / top - UNHURRIED) / (1.0 - UNHURRIED)).clamp(0.0, 1.0);
+        let rate = (wanted * wait.max(haste)).min((self.pace + step_s / BRAKE_S) * top).min(braking).min(top);
         self.pace = if top > 0.0 { rate / top } else { 0.0 };
         self.progress.share += rate * step_s;
         if 1.0 - self.progress.share < 1e-6 {
@@ -181,6 +202,13 @@ impl<'a> Simulation<'a> {
                 self.progress = Progress { interval: self.progress.interval + 1, share: 0.0 };
             }
         }
+    }
+
+    /// Seconds that the herd is given to settle at a key-herd: enough for one at the rim to catch
+    /// up, but no more than a share of the interval.
+    fn settling_s(&self) -> f64 {
+        let across_s = self.trajectory.reach() / self.options.gait.max_speed_m_per_s;
+        (SETTLING_S + across_s).min(SETTLING_SHARE * self.given_s)
     }
 
     /// How freely the herd frame may go: 1 while all are near their guides, 0 when one that is
@@ -223,7 +251,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// How the key-frame at the end of `interval` was met.
-    fn arrival(&self, interval: usize, time_s: f64, given_s: f64) -> Arrival {
+    fn arrival(&self, interval: usize, time_s: f64) -> Arrival {
         let end = Progress { interval, share: 1.0 };
         let frame = self.guides.frame_at(end);
         let places: Vec<Point> = (0..self.guides.len()).map(|i| self.guides.place(frame, end, i)).collect();
@@ -232,9 +260,9 @@ impl<'a> Simulation<'a> {
         Arrival {
             key_frame: interval + 1,
             time_s,
-            given_s,
+            given_s: self.given_s,
             needed_s: needed.iter().copied().fold(0.0, f64::max),
-            cannot_reach: needed.iter().filter(|s| **s > given_s).count(),
+            cannot_reach: needed.iter().filter(|s| **s > self.given_s).count(),
             on_place: 1.0 - late.len() as f64 / self.guides.len() as f64,
             late,
         }

@@ -114,6 +114,14 @@ pub(super) struct Neighbour<'a> {
 /// Neighbours keep at most this many times the distance at which they touch (ours).
 const COMFORT: f64 = 1.4;
 
+/// However near the animal in front, one goes on this slowly, in metres a second (ours): the rule
+/// of the road stops it where there is no room, and where there is it must not wait for ever.
+const CREEP_M_PER_S: f64 = 0.4;
+
+/// And at least this share of it, where their guides are as close (ours): `touch` is taken along
+/// the line of centres, and bodies that stand askew come nearer.
+const CLOSEST: f64 = 0.6;
+
 /// How much less a neighbour that yields pushes, and how much more the other does (ours):
 /// without a difference two that meet head on would wait for each other.
 const YIELDING: (f64, f64) = (0.6, 1.4);
@@ -136,7 +144,7 @@ impl Company {
         self.count += 1.0;
         let Some(away) = offset.normalised() else { return };
         let touch = own.support(away) + neighbour.print.support(away);
-        let comfort = (neighbour.guides_apart / touch).clamp(1.0, COMFORT);
+        let comfort = (neighbour.guides_apart / touch).clamp(CLOSEST, COMFORT);
         let lack = comfort - distance / touch;
         if lack > 0.0 {
             let weight = if neighbour.yields { YIELDING.0 } else { YIELDING.1 };
@@ -146,7 +154,8 @@ impl Company {
         let heading = own.heading();
         if -away.dot(heading) > 0.7 {
             let leaves = neighbour.velocity.dot(heading).max(0.0);
-            self.room_ahead = self.room_ahead.min(leaves + (distance - touch).max(0.0) / FOLLOWING_S);
+            let gap = (distance - touch * comfort.min(1.0)).max(0.0);
+            self.room_ahead = self.room_ahead.min(leaves + gap / FOLLOWING_S + CREEP_M_PER_S);
         }
     }
 

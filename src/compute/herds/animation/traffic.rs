@@ -1,10 +1,18 @@
-//! The rule of the road: nobody runs into anybody. Of two animals that would, one stays.
+//! The rule of the road: nobody runs into anybody. Of two animals that would, one makes less of
+//! its step.
 
 use super::motion::Mover;
 use crate::compute::geometry::CellGrid;
 use crate::compute::geometry::Point;
 use crate::compute::herds::contact::Footprint;
 use rayon::prelude::*;
+
+/// What an animal may make of its step, from most to least: all of it, straight on without
+/// turning, turning on the spot.
+pub(super) const TRIES: usize = 3;
+
+/// The level of an animal that stays as it was.
+const STAY: u8 = TRIES as u8;
 
 /// The body of an animal in a pose.
 pub(super) fn footprint(mover: &Mover, body: (f64, f64)) -> Footprint {
@@ -19,53 +27,75 @@ struct Pair {
     limit: f64,
 }
 
-/// Decides who of the animals may make the step from `old` to `new`: `true` for those who may.
+/// The bodies before a step, and after each that an animal may make of it.
+pub(super) struct Bodies<'a> {
+    pub old: &'a [Footprint],
+    pub tries: &'a [[Footprint; TRIES]],
+    /// How far any part of the body moves at most, in metres.
+    pub moves: &'a [f64],
+}
+
+/// Decides what each animal makes of its step: the number of the try, or [`TRIES`] to stay.
 ///
 /// No two then overlap deeper than `allowed` metres, or than they did before. Where two would,
-/// the one whose step alone would do it stays, both if each would, the later one if neither;
-/// and again until there is none left. To stay is always possible, so it ends.
-pub(super) fn settle(old: &[Footprint], new: &[Footprint], (grid, reach): (&CellGrid, f64), allowed: f64) -> Vec<bool> {
-    let pairs = contacts(old, new, (grid, reach), allowed);
-    let mut goes = vec![true; old.len()];
+/// the one whose step alone would do it makes less of it, both if each would, the later one if
+/// neither; and again until there is none left. To stay is always possible, so it ends.
+pub(super) fn settle(bodies: &Bodies<'_>, (grid, reach): (&CellGrid, f64), allowed: f64) -> Vec<u8> {
+    let pairs = contacts(bodies, (grid, reach), allowed);
+    let mut levels = vec![0u8; bodies.old.len()];
+    let mut changed = vec![true; bodies.old.len()];
     loop {
-        let at = |i: u32, goes: &[bool]| if goes[i as usize] { new[i as usize] } else { old[i as usize] };
-        let stays: Vec<u32> = pairs
+        let losers: Vec<u32> = pairs
             .par_iter()
-            .filter(|p| goes[p.one as usize] || goes[p.two as usize])
-            .filter(|p| at(p.one, &goes).depth(&at(p.two, &goes)) > p.limit)
-            .flat_map_iter(|p| losers(p, (old, new), &goes))
+            .filter(|p| changed[p.one as usize] || changed[p.two as usize])
+            .flat_map_iter(|p| losers(p, bodies, &levels))
             .collect();
-        if stays.is_empty() {
-            return goes;
+        if losers.is_empty() {
+            return levels;
         }
-        stays.into_iter().for_each(|i| goes[i as usize] = false);
+        changed.fill(false);
+        for i in losers {
+            let i = i as usize;
+            levels[i] += u8::from(!changed[i]);
+            changed[i] = true;
+        }
     }
 }
 
-fn losers(pair: &Pair, (old, new): (&[Footprint], &[Footprint]), goes: &[bool]) -> impl Iterator<Item = u32> + use<> {
-    let (one, two) = (pair.one as usize, pair.two as usize);
-    let alone = |moves: &Footprint, stays: &Footprint| moves.depth(stays) > pair.limit;
-    let one_errs = goes[one] && alone(&new[one], &old[two]);
-    let two_errs = goes[two] && alone(&new[two], &old[one]);
-    let later = goes[two] && !one_errs;
-    let earlier = goes[one] && (one_errs || !goes[two]);
-    let second = if one_errs || two_errs { two_errs } else { later };
-    [(earlier, pair.one), (second, pair.two)].into_iter().filter(|(stays, _)| *stays).map(|(_, i)| i)
+impl Bodies<'_> {
+    fn at(&self, i: usize, level: u8) -> &Footprint {
+        self.tries[i].get(usize::from(level)).unwrap_or(&self.old[i])
+    }
 }
 
-/// The pairs whose bodies may touch before or after the step, each once, by index.
-fn contacts(old: &[Footprint], new: &[Footprint], (grid, reach): (&CellGrid, f64), allowed: f64) -> Vec<Pair> {
+fn losers(pair: &Pair, bodies: &Bodies<'_>, levels: &[u8]) -> impl Iterator<Item = u32> + use<> {
+    let (one, two) = (pair.one as usize, pair.two as usize);
+    let (level_one, level_two) = (levels[one], levels[two]);
+    let (new_one, new_two) = (bodies.at(one, level_one), bodies.at(two, level_two));
+    let meet = new_one.depth(new_two) > pair.limit;
+    let one_errs = meet && level_one < STAY && new_one.depth(&bodies.old[two]) > pair.limit;
+    let two_errs = meet && level_two < STAY && bodies.old[one].depth(new_two) > pair.limit;
+    let neither = meet && !one_errs && !two_errs;
+    let earlier = one_errs || (neither && level_two == STAY && level_one < STAY);
+    let later = two_errs || (neither && level_two < STAY);
+    [(earlier, pair.one), (later, pair.two)].into_iter().filter(|(loses, _)| *loses).map(|(_, i)| i)
+}
+
+/// The pairs whose bodies may touch whatever they make of the step, each once, by index.
+fn contacts(bodies: &Bodies<'_>, (grid, reach): (&CellGrid, f64), allowed: f64) -> Vec<Pair> {
     let of = |i: usize| {
         let mut pairs = Vec::new();
-        grid.for_each_near(old[i].centre(), reach, |j| {
-            if j > i && new[i].depth(&new[j]).max(new[i].depth(&old[j])).max(old[i].depth(&new[j])) > 0.0 {
-                let limit = old[i].depth(&old[j]).max(allowed);
-                pairs.push(Pair { one: i as u32, two: j as u32, limit });
+        grid.for_each_near(bodies.old[i].centre(), reach, |j| {
+            if j > i {
+                let depth = bodies.old[i].depth(&bodies.old[j]);
+                if depth > -(bodies.moves[i] + bodies.moves[j]) {
+                    pairs.push(Pair { one: i as u32, two: j as u32, limit: depth.max(allowed) });
+                }
             }
         });
         pairs
     };
-    (0..old.len()).into_par_iter().flat_map_iter(of).collect()
+    (0..bodies.old.len()).into_par_iter().flat_map_iter(of).collect()
 }
 
 #[cfg(test)]
@@ -94,12 +124,19 @@ mod tests {
                 })
                 .collect();
             let prints = |movers: &[Mover]| movers.iter().map(|m| footprint(m, body)).collect::<Vec<_>>();
-            let (old, new) = (prints(&movers), prints(&wanted));
+            let variants: Vec<[Mover; TRIES]> = movers
+                .iter()
+                .zip(wanted)
+                .map(|(was, to)| [to, Mover { heading: was.heading, ..to }, Mover { place: was.place, ..to }])
+                .collect();
+            let tries: Vec<[Footprint; TRIES]> = variants.iter().map(|v| v.map(|m| footprint(&m, body))).collect();
+            let (old, moves) = (prints(&movers), vec![0.3 + 0.2; 400]);
             let centres: Vec<Point> = movers.iter().map(|m| m.place).collect();
-            let goes = settle(&old, &new, (&CellGrid::new(&centres, 2.0), 2.7), 0.08);
-            assert!(goes.iter().filter(|g| **g).count() > 5);
+            let bodies = Bodies { old: &old, tries: &tries, moves: &moves };
+            let levels = settle(&bodies, (&CellGrid::new(&centres, 2.0), 2.7), 0.08);
+            assert!(levels.iter().filter(|l| **l == 0).count() > 5);
             for i in 0..400 {
-                movers[i] = if goes[i] { wanted[i] } else { movers[i] };
+                movers[i] = variants[i].get(usize::from(levels[i])).copied().unwrap_or(movers[i]);
             }
             let now = prints(&movers);
             for i in 0..400 {

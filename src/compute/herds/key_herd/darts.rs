@@ -109,7 +109,7 @@ pub(super) fn throw(
             };
             let Landing { ellipse, nearest, excess } = Landing::with_room(throw);
             let error = match &trial {
-                Some(trial) if trial.len() > 0 => trial.error_with(&ellipse),
+                Some(trial) if !trial.is_empty() => trial.error_with(&ellipse),
                 // Without a curve the farthest from the others is the best.
                 _ => -nearest,
             };
