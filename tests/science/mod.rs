@@ -5,6 +5,7 @@ pub mod distributions_exemplars;
 mod distributions_synthesis;
 mod fauna;
 mod flora;
+mod flora_lines;
 mod flora_study;
 mod herds_animation;
 mod herds_drawn;

@@ -138,7 +138,7 @@ impl Chain {
         let inputs = &request.inputs;
         let parameters = (&inputs.climate, inputs.competition.scales, request.climate.latitude_deg);
         let inputs = digest(&[&land.digest, &request.digests.maps], &parameters)?;
-        let key = Stage { name: "climate", version: 1, inputs };
+        let key = Stage { name: "climate", version: 2, inputs };
         let resources = stage(context, key, || {
             let rules = ResourceRules { scales: request.scales, ..ResourceRules::default() };
             let ground = (&land.terrain, &land.water);
@@ -154,7 +154,7 @@ impl Chain {
         let parameters = (&inputs.plants, &inputs.competition, context.seed);
         let inputs = digest(&[&climate.digest, &request.digests.painted], &parameters)?;
         let fitness_key = Stage { name: "plants.fitness", version: 1, inputs };
-        let growth_key = Stage { name: "plants.competition", version: 1, inputs };
+        let growth_key = Stage { name: "plants.competition", version: 2, inputs };
         let (species, resources) = (&request.plants.species, &climate.resources);
         let fitness = stage(context, fitness_key, || {
             let options = FitnessOptions {

@@ -1,20 +1,25 @@
 //! Monthly **moisture** of the soil on the scale 1–9: precipitation, flow accumulation, slope and
 //! standing water.
 //!
-//! The authors' sample gives log(drainage) + log(monthly precipitation) from −8 (1) to 2 (9)
-//! without units. We read it as the **wetness index** of K. Beven and M. Kirkby (1979), natural
-//! logarithms, lengths in kilometres and precipitation in metres,
+//! The authors' sample gives log(drainage) + log(monthly precipitation) from −8 (1) to 2 (9). The
+//! code they published (P. Ecormier-Nocca et al. 2021, MIT) says what that means: drainage is the
+//! depth of the film of water that flows over the ground, as a share of the deepest on their map,
+//! a river that drains 305 km²; precipitation is in millimetres; logarithms are natural:
 //!
-//! index = ln(a / (tan β · 1 km)) + ln(P / 1 m)
+//! index = ln(h / h₀) + ln(P / 1 mm), h ∝ (a / (0.1 + √S))^⅔
 //!
-//! with a the drainage area per metre of contour, β the slope and P the month's precipitation.
-//! These are the units with which hillsides, valley floors and ridges of real terrain fill the
-//! range from −8 to 2 at usual precipitation, whatever the size of the cells.
+//! with a the drainage area per metre of contour, S the slope (rise over run) and P the month's
+//! precipitation; 0.1 keeps level ground finite. h₀ is h where that river is level ([`RIVER_M`]):
+//! a ridge in the driest month is then at −12, which is where the authors say their index begins.
 //!
-//! Ours: every place is fed by at least [`MoistureRules::own_length_m`] of ground; on ground
-//! flatter than [`MoistureRules::level_grade`] water from above does not gather, so that level
-//! plains are even; near water the ground is damp, by its height above it; no ground that is not
-//! under water is wetter than [`SATURATED`], and what is under water is at [`UNDER_WATER`].
+//! Ours, for the authors' map has cells of 1 m and ours need not: every place is fed by at least
+//! [`MoistureRules::own_length_m`] of ground; cells too wide for slopes of that length see too
+//! little of the ridges and hollows within them, and drainage per contour grows in proportion to
+//! their width (D. M. Wolock, G. J. McCabe 2000; 10 m show hillslopes, W. Zhang, D. R. Montgomery
+//! 1994), so what comes from above is divided by that proportion; on ground flatter than
+//! [`MoistureRules::level_grade`] water from above does not gather, so that level plains are even;
+//! near water the ground is damp, by its height above it; no ground that is not under water is
+//! wetter than [`SATURATED`], and what is under water is at [`UNDER_WATER`].
 
 use crate::compute::ecosystem::climate::Climate;
 use crate::compute::ecosystem::resources::MONTHS;
@@ -26,9 +31,9 @@ use crate::compute::raster::Raster;
 use crate::compute::raster::box_mean;
 use rayon::prelude::*;
 
-/// Moisture of ground that is full of water in its wettest month: 8 is "flooded for months" in
-/// Julve's scale.
-pub const SATURATED: f64 = 8.0;
+/// Moisture of ground that is full of water in its wettest month: 7 is "flooded for weeks" in
+/// Julve's scale, and what is flooded for months (8) is no dry land.
+pub const SATURATED: f64 = 7.0;
 /// Moisture under water in its driest month: 9 and more are amphibious places in Julve's scale.
 pub const UNDER_WATER: f64 = 9.0;
 
@@ -37,7 +42,8 @@ pub const UNDER_WATER: f64 = 9.0;
 pub struct MoistureRules {
     /// Precipitation that a month at least counts for, mm: the index has no value at 0.
     pub min_precipitation_mm: f64,
-    /// Length of slope that feeds any place, ridges too, m.
+    /// Length of slope that feeds any place, ridges too, and the widest cell that shows hillslopes
+    /// as they are, m.
     pub own_length_m: f64,
     /// Slope below which water from above gathers the less, the flatter; rise over run.
     pub level_grade: f64,
@@ -64,14 +70,14 @@ pub fn moisture(
     climate: &Climate,
     (rules, scale): (MoistureRules, MoistureScale),
 ) -> MonthlyMap {
-    let rain = climate.months.map(|m| libm::log(m.precipitation_mm.max(rules.min_precipitation_mm) * 1e-3));
+    let rain = climate.months.map(|m| libm::log(m.precipitation_mm.max(rules.min_precipitation_mm)));
     let mean = rain.iter().sum::<f64>() / MONTHS as f64;
     let (convert, offset) = conversion(scale, rain.map(|month| month - mean));
     let (wettest, driest) = offset.iter().fold((0.0, 0.0), |(w, d), o| (o.max(w), o.min(d)));
     let index = box_mean(&drainage_index(terrain, water, &rules), SMOOTHING);
     let ground = |cell: usize| {
         let dry = convert(f64::from(index.data[cell]) + mean).min(SATURATED - wettest);
-        let damp = libm::exp(-f64::from(water.above_water_m.data[cell]) / rules.damp_height_m);
+        let damp = libm::exp(-above_water(terrain, water, cell) / rules.damp_height_m);
         dry + damp * (SATURATED - wettest - dry)
     };
     let value = |cell: usize| match terrain.height.data[cell].is_nan() {
@@ -81,6 +87,14 @@ pub fn moisture(
     };
     let data = (0..terrain.grid().len()).into_par_iter().map(|cell| value(cell) as f32).collect();
     MonthlyMap::Shifted { base: Raster { grid: terrain.grid(), data }, offset: offset.map(|o| o as f32) }
+}
+
+/// How high the middle of the ground of a cell lies above the nearest water, m. In a cell with a
+/// stream that is a quarter of the cell away, up its slope; the way's fiftieth counts as in
+/// [`Water::above_water_m`].
+fn above_water(terrain: &Terrain, water: &Water, cell: usize) -> f64 {
+    let beside = if water.is_wet(cell) { 0.25 * terrain.grid().cell_m } else { 0.0 };
+    f64::from(water.above_water_m.data[cell]) + beside * (f64::from(terrain.slope.data[cell]) + 0.02)
 }
 
 /// What turns the year's mean index into moisture, and what each month adds to it.
@@ -100,9 +114,19 @@ fn conversion(scale: MoistureScale, rain: [f64; MONTHS]) -> (Box<dyn Fn(f64) -> 
 /// cell wets the ground beside it.
 const SMOOTHING: usize = 1;
 
-/// ln(a / (tan β · 1 km)) of every cell; NaN where there is no data.
+/// Drainage area per metre of contour in the authors' river, m: 305 km², over the width of 29.5 m
+/// that the regional curve of the streams gives it.
+const RIVER_M: f64 = 305e6 / 29.5;
+
+/// What the depth of flowing water is proportional to: drainage per metre of contour, and slope.
+fn film(drainage_m: f64, slope: f64) -> f64 {
+    libm::pow(drainage_m / (0.1 + slope.sqrt()), 2.0 / 3.0)
+}
+
+/// ln(h / h₀) of every cell; NaN where there is no data.
 fn drainage_index(terrain: &Terrain, water: &Water, rules: &MoistureRules) -> Raster<f32> {
     let cell_m = terrain.grid().cell_m;
+    let (river, seen) = (film(RIVER_M, 0.0), (rules.own_length_m / cell_m).min(1.0));
     let index = |(slope, drainage): (&f32, &f32)| {
         let (slope, drainage) = (f64::from(*slope), f64::from(*drainage));
         if slope.is_nan() || drainage.is_nan() {
@@ -110,8 +134,8 @@ fn drainage_index(terrain: &Terrain, water: &Water, rules: &MoistureRules) -> Ra
         }
         // What drains to the centre of the cell.
         let above = (drainage / cell_m - 0.5 * cell_m).max(0.0);
-        let gathered = above * (slope / rules.level_grade).min(1.0);
-        libm::log((rules.own_length_m + gathered) * 1e-3 / slope.max(rules.level_grade)) as f32
+        let gathered = above * seen * (slope / rules.level_grade).min(1.0);
+        libm::log(film(rules.own_length_m + gathered, slope) / river) as f32
     };
     let data = terrain.slope.data.par_iter().zip(&water.drainage_m2.data).map(index).collect();
     Raster { grid: terrain.grid(), data }
@@ -147,7 +171,8 @@ mod tests {
     fn a_slope_has_the_index_of_its_length_and_grade() {
         // 100 cells of 10 m on a slope of 0.2: at row 50 from the top 495 m and 10 m drain to the centre.
         let found = moist(Grid::new(81, 100, 10.0), |_, y| 0.2 * y, [60.0; MONTHS], Scales::authors());
-        let index = libm::log(0.505 / 0.2) + libm::log(0.06);
+        let film = |drainage_m: f64, slope: f64| 2.0 / 3.0 * libm::log(drainage_m / (0.1 + slope.sqrt()));
+        let index = film(505.0, 0.2) - film(305e6 / 29.5, 0.0) + libm::log(60.0);
         let expected = 1.0 + (index + 8.0) * 0.8;
         assert!((f64::from(found.value(3, 40 + 81 * 49)) - expected).abs() < 1e-3);
     }
@@ -167,7 +192,7 @@ mod tests {
         let map = moist(Grid::new(40, 40, 10.0), |_, _| 3.0, [60.0; MONTHS], Scales::authors());
         let first = map.value(0, 0);
         assert!((0..1600).all(|c| (map.value(0, c) - first).abs() < 1e-5));
-        assert!((4.0..6.0).contains(&first), "{first}");
+        assert!((3.0..5.0).contains(&first), "{first}");
     }
 
     #[test]
@@ -180,8 +205,9 @@ mod tests {
             let valley = |x: f64, y: f64| if x > 400.0 && x < 600.0 { bowl(x, y).min(5.0) } else { bowl(x, y) };
             let map = moist(grid, valley, rain, scales);
             assert!((0..MONTHS).all(|m| map.value(m, grid.index(50, 50)) >= 9.0 - 1e-5));
-            let dry = (0..MONTHS)
-                .all(|m| (0..grid.len()).all(|c| map.value(m, c) <= 8.0 + 1e-5 || map.value(m, c) >= 9.0 - 1e-5));
+            let dry = (0..MONTHS).all(|m| {
+                (0..grid.len()).all(|c| map.value(m, c) <= (SATURATED + 1e-5) as f32 || map.value(m, c) >= 9.0 - 1e-5)
+            });
             assert!(dry, "nothing between saturated ground and water");
         }
     }

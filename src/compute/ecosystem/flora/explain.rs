@@ -44,7 +44,7 @@ pub struct Crowded {
     pub dark: u64,
     /// Cells where taller strata keep the light below its minimum.
     pub shaded: u64,
-    /// Cells whose stratum is full, or wholly kept bare.
+    /// Cells whose stratum is full, has drawn all its light, or is wholly kept bare.
     pub full: u64,
     /// Cells without the moisture for a unit, drawn by others or never there.
     pub dry: u64,

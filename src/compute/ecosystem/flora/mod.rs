@@ -5,11 +5,14 @@
 //! moisture ranges are tested against the cell's own maps (that is [`fitness`]), not against
 //! what is left. A **population unit** covers a ninth of the cell per scale unit of light it
 //! uses; covers add up to at most 1 within a **stratum** (tree, shrub, herb), and the last unit
-//! of a stratum is cut to what is left. Light is asymmetric: a stratum gets the cell's light
-//! times (1 - 0.8 cover) of each taller stratum, and a species needs that to be at least its
-//! minimum; light is the mean of the growing season. A new taller unit evicts lower units that lose their minimum, and what they used
-//! comes free. Moisture drawn (cover times use) stays within the capacity, the yearly mean on
-//! the scale.
+//! of a stratum is cut to what is left. Light is drawn on as any resource is (L 4.3): the light
+//! uses of a stratum stay within the light that reaches it over the year, on the scale, so that
+//! fully lit ground (9) bears a closed stratum and darker or colder ground a thinner one. Light is
+//! asymmetric: a stratum gets the cell's light times (1 - 0.8 cover) of each taller stratum, the
+//! cover relative to what that one's light bears, and a species needs the mean of that over the
+//! growing season to be at least its minimum. A new taller unit evicts lower units that lose their
+//! minimum and thins out what the light no longer bears, and what they used comes free. Moisture
+//! drawn (cover times use) stays within the capacity, the yearly mean on the scale.
 //!
 //! [`fitness`]: crate::compute::ecosystem::fitness
 
@@ -213,7 +216,7 @@ fn sites<'a>(run: &Run, resources: &Resources, options: &FloraOptions<'a>) -> Re
     if let Some(bare) = options.bare {
         same_size(resources.soil.data.len(), bare.data.len())?;
     }
-    Ok(Sites::new(run, resources, options.bare)?)
+    Ok(Sites::new(run, resources, (options.needs, options.scales.illumination), options.bare)?)
 }
 
 fn same_size(expected: usize, found: usize) -> Result<(), FloraError> {

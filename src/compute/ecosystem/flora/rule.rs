@@ -12,7 +12,7 @@ use crate::compute::ecosystem::species::Stratum;
 pub const FULL_COVER: u16 = 45_000;
 
 /// The light use that covers a whole cell with one unit: the top of the scale (ours).
-const WHOLE_CELL_USE: f64 = 9.0;
+pub(super) const WHOLE_CELL_USE: f64 = 9.0;
 
 /// Parts of a scale unit in which moisture is counted per unit of cover (ours).
 const MOISTURE_PARTS: f64 = 1000.0;

@@ -1,10 +1,15 @@
 //! What the cells offer before anything grows there.
 //!
-//! The text leaves open which light a cell has, month by month as it varies. We take the mean over
-//! the **growing season**, the months whose mean temperature is at least 5 °C (the threshold of
-//! the growing season length of the ETCCDI climate indices, P. Frich et al. 2002), for light
-//! that falls on frozen ground keeps nothing alive; where no month is so warm, the warmest one.
+//! The text leaves open which light a cell has, month by month as it varies, but for this: what a
+//! unit draws of it is a yearly amount (L 4.1). Light that falls on frozen ground keeps nothing
+//! alive, so we count it from 5 °C (the threshold of the growing season length of the ETCCDI
+//! climate indices, P. Frich et al. 2002). What is drawn on is the light of the year, each month's
+//! by the part of its temperatures that is so warm. Whether a plant has the light it needs is told
+//! by the mean over the **growing season**, the months whose mean temperature is; where no month
+//! is so warm, the warmest one.
 
+use crate::compute::ecosystem::fitness::Needs;
+use crate::compute::ecosystem::fitness::share_in_range;
 use crate::compute::ecosystem::fitness::temperature::mean_c;
 use crate::compute::ecosystem::flora::rule;
 use crate::compute::ecosystem::flora::rule::FULL_COVER;
@@ -12,6 +17,8 @@ use crate::compute::ecosystem::flora::stand::Site;
 use crate::compute::ecosystem::resources::MONTHS;
 use crate::compute::ecosystem::resources::MonthlyMap;
 use crate::compute::ecosystem::resources::Resources;
+use crate::compute::ecosystem::scales::Scale;
+use crate::compute::ecosystem::species::Interval;
 use crate::compute::raster::Raster;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
@@ -20,26 +27,44 @@ use rayon::prelude::*;
 /// Mean temperature from which plants grow, °C.
 const GROWTH_C: f32 = 5.0;
 
+/// Temperatures at which plants grow, °C.
+const GROWS: Interval = Interval::new(GROWTH_C as f64, f64::MAX);
+
 /// The **capacity** of every cell for light and moisture, and the part of it kept bare.
 pub(super) struct Sites<'a> {
     /// Physical light fraction, mean of the growing season.
     pub light: Raster<f32>,
+    /// Physical light fraction that can be used over the year, and its scale; `None` where light
+    /// does not count.
+    light_drawn: Option<(Raster<f32>, Scale)>,
     /// Moisture on the scale, mean of the year.
     pub moisture: Raster<f32>,
     bare: Option<&'a Raster<f32>>,
 }
 
 impl<'a> Sites<'a> {
-    pub(super) fn new(run: &Run, resources: &Resources, bare: Option<&'a Raster<f32>>) -> Result<Self, Stopped> {
+    pub(super) fn new(
+        run: &Run,
+        resources: &Resources,
+        (needs, illumination): (Needs, Scale),
+        bare: Option<&'a Raster<f32>>,
+    ) -> Result<Self, Stopped> {
         let light = growing_season_light(resources);
+        run.check()?;
+        let light_drawn = needs.illumination.then(|| (usable_light(resources, needs), illumination));
         run.check()?;
         let moisture = yearly_mean(&resources.moisture);
         run.check()?;
-        Ok(Self { light, moisture, bare })
+        Ok(Self { light, light_drawn, moisture, bare })
     }
 
-    pub(super) fn at(&self, cell: usize) -> Site {
-        Site { light: self.light.data[cell], moisture: self.moisture.data[cell], room: self.room(cell) }
+    pub(super) fn at(&self, cell: usize) -> Site<'_> {
+        Site {
+            light: self.light.data[cell],
+            light_drawn: self.light_drawn.as_ref().map(|(light, scale)| (light.data[cell], scale)),
+            moisture: self.moisture.data[cell],
+            room: self.room(cell),
+        }
     }
 
     fn room(&self, cell: usize) -> u16 {
@@ -65,6 +90,24 @@ fn growing_season_light(resources: &Resources) -> Raster<f32> {
         if months > 0.0 { sum / months } else { warmest.1 }
     };
     Raster { grid, data: (0..grid.len()).into_par_iter().map(light).collect() }
+}
+
+/// The mean over the year of the light that falls while it is warm enough to grow; all light where
+/// temperature does not count. NaN where light has no data.
+fn usable_light(resources: &Resources, needs: Needs) -> Raster<f32> {
+    if !needs.temperature {
+        return yearly_mean(&resources.sunlight);
+    }
+    let grid = resources.soil.grid;
+    let warm = |month: usize, cell: usize| {
+        let (coldest, warmest) = (&resources.temperature_min_c, &resources.temperature_max_c);
+        let (low, high) = (coldest.value(month, cell), warmest.value(month, cell));
+        share_in_range(GROWS, f64::from(low), f64::from(high)) as f32
+    };
+    let year = |cell: usize| {
+        (0..MONTHS).map(|m| warm(m, cell) * resources.sunlight.value(m, cell)).sum::<f32>() / MONTHS as f32
+    };
+    Raster { grid, data: (0..grid.len()).into_par_iter().map(year).collect() }
 }
 
 /// The mean of the twelve months of every cell.

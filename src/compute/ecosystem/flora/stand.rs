@@ -1,19 +1,26 @@
 //! The plants of one cell: what they take, what they leave, and which give way.
 
+use crate::compute::ecosystem::flora::rule;
+use crate::compute::ecosystem::flora::rule::FULL_COVER;
 use crate::compute::ecosystem::flora::rule::Rule;
+use crate::compute::ecosystem::flora::rule::WHOLE_CELL_USE;
 use crate::compute::ecosystem::flora::rule::moisture_parts;
 use crate::compute::ecosystem::flora::rule::moisture_scale_units;
 use crate::compute::ecosystem::flora::rule::share;
+use crate::compute::ecosystem::scales::Scale;
 use crate::compute::ecosystem::species::Stratum;
 
-/// Share of the light that a closed stratum keeps from the strata below it (ours).
+/// Share of the light that a closed stratum keeps from the strata below it.
 const SHADE: f32 = 0.8;
 
 /// What a cell offers before anything grows there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Site {
+pub(super) struct Site<'a> {
     /// Physical light fraction, mean of the growing season.
     pub light: f32,
+    /// Physical light fraction that can be used over the year, and its scale; `None` where light
+    /// does not count.
+    pub light_drawn: Option<(f32, &'a Scale)>,
     /// Moisture on the scale, mean of the year.
     pub moisture: f32,
     /// Cover that each stratum has room for: [`super::FULL_COVER`] but for what is kept bare.
@@ -23,30 +30,53 @@ pub(super) struct Site {
 /// The plants of a cell, and the account of what they take.
 pub(super) struct Stand<'a> {
     rules: &'a [Rule],
-    site: Site,
+    site: Site<'a>,
     capacity: u64,
     /// Cover by species.
     cover: &'a mut [u16],
     /// Cover by stratum.
     taken: [u16; 3],
+    /// Cover by stratum that its light bears.
+    borne: [u16; 3],
     drawn: u64,
 }
 
 impl<'a> Stand<'a> {
     /// The stand of the plants with these covers, one a rule.
-    pub(super) fn new(rules: &'a [Rule], site: Site, cover: &'a mut [u16]) -> Self {
+    pub(super) fn new(rules: &'a [Rule], site: Site<'a>, cover: &'a mut [u16]) -> Self {
         let (mut taken, mut drawn) = ([0; 3], 0);
         for (rule, cover) in rules.iter().zip(cover.iter()) {
             taken[rule.stratum as usize] += cover;
             drawn += rule.use_per_cover * u64::from(*cover);
         }
-        Self { rules, site, capacity: moisture_parts(site.moisture), cover, taken, drawn }
+        let capacity = moisture_parts(site.moisture);
+        let mut stand = Self { rules, site, capacity, cover, taken, borne: [FULL_COVER; 3], drawn };
+        stand.light_from(Stratum::Tree);
+        stand
     }
 
     /// The physical light fraction that reaches a stratum through the strictly taller ones.
     pub(super) fn light(&self, stratum: Stratum) -> f32 {
-        let taller = &self.taken[..stratum as usize];
-        taller.iter().fold(self.site.light, |light, cover| light * (1.0 - SHADE * share(*cover)))
+        self.through(self.site.light, stratum)
+    }
+
+    /// What is left of `light` below the strictly taller strata. One that covers all that its
+    /// light bears is closed.
+    fn through(&self, light: f32, stratum: Stratum) -> f32 {
+        let taller = self.taken.iter().zip(&self.borne).take(stratum as usize);
+        taller.filter(|(taken, _)| **taken > 0).fold(light, |light, (taken, borne)| {
+            let closed = f32::from(*taken) / f32::from(*borne.max(taken));
+            light * (1.0 - SHADE * closed)
+        })
+    }
+
+    /// Works out anew what the light bears in `tallest` and the strata below.
+    fn light_from(&mut self, tallest: Stratum) {
+        let Some((light, scale)) = self.site.light_drawn else { return };
+        for stratum in &Stratum::ALL[tallest as usize..] {
+            let units = scale.at(f64::from(self.through(light, *stratum)));
+            self.borne[*stratum as usize] = rule::cover((units / WHOLE_CELL_USE) as f32);
+        }
     }
 
     /// Moisture not drawn, on the scale.
@@ -60,9 +90,10 @@ impl<'a> Stand<'a> {
         self.light(rule.stratum) >= rule.least_light
     }
 
-    /// The room left in the stratum of a species.
+    /// The room left in the stratum of a species: on the ground, and of the light.
     pub(super) fn room(&self, species: usize) -> u16 {
-        self.site.room.saturating_sub(self.taken[self.rules[species].stratum as usize])
+        let stratum = self.rules[species].stratum as usize;
+        self.site.room.min(self.borne[stratum]).saturating_sub(self.taken[stratum])
     }
 
     /// The largest cover of a species that the moisture left can bear.
@@ -98,8 +129,9 @@ impl<'a> Stand<'a> {
         self.cover[species]
     }
 
-    /// Adds `cover` of a species, which must fit. Units of lower strata that lose the light they
-    /// need give way and give back what they took: says whether any did.
+    /// Adds `cover` of a species, which must fit. Lower plants that lose the light they need give
+    /// way and give back what they took, and where the light bears less than stands in a lower
+    /// stratum its species thin out alike: says whether any did.
     pub(super) fn plant(&mut self, species: usize, cover: u16) -> bool {
         self.plant_telling(species, cover, |_, _| ())
     }
@@ -107,17 +139,46 @@ impl<'a> Stand<'a> {
     /// Like [`Stand::plant`]; tells each species that gives way and the cover it loses.
     pub(super) fn plant_telling(&mut self, species: usize, cover: u16, mut tell: impl FnMut(usize, u16)) -> bool {
         self.change(species, self.cover[species] + cover);
-        let stratum = self.rules[species].stratum;
         let mut any = false;
-        for lower in 0..if stratum == Stratum::Herb { 0 } else { self.rules.len() } {
-            let lost = self.cover[lower];
-            if lost > 0 && self.rules[lower].stratum > stratum && !self.is_lit(lower) {
-                self.change(lower, 0);
-                tell(lower, lost);
+        for stratum in Stratum::ALL.into_iter().filter(|s| *s > self.rules[species].stratum) {
+            any |= self.thin_out(stratum, Self::kept_when_lit, &mut tell);
+            any |= self.thin_out(stratum, Self::kept_by_light, &mut tell);
+        }
+        any
+    }
+
+    /// Leaves of each species of a stratum what `kept` says; tells whether any lost something.
+    fn thin_out(
+        &mut self,
+        stratum: Stratum,
+        kept: impl Fn(&Self, usize, u16) -> u16,
+        tell: &mut impl FnMut(usize, u16),
+    ) -> bool {
+        let stands = self.taken[stratum as usize];
+        let mut any = false;
+        for species in 0..if stands == 0 { 0 } else { self.rules.len() } {
+            let cover = self.cover[species];
+            if cover == 0 || self.rules[species].stratum != stratum {
+                continue;
+            }
+            let lost = cover - kept(self, species, stands);
+            if lost > 0 {
+                self.change(species, cover - lost);
+                tell(species, lost);
                 any = true;
             }
         }
         any
+    }
+
+    fn kept_when_lit(&self, species: usize, _: u16) -> u16 {
+        if self.is_lit(species) { self.cover[species] } else { 0 }
+    }
+
+    /// Its part of what the light bears of a stratum in which so much `stands`.
+    fn kept_by_light(&self, species: usize, stands: u16) -> u16 {
+        let (cover, borne) = (self.cover[species], self.borne[self.rules[species].stratum as usize]);
+        if borne >= stands { cover } else { (u32::from(cover) * u32::from(borne) / u32::from(stands)) as u16 }
     }
 
     /// Takes `cover` of a species away.
@@ -131,5 +192,8 @@ impl<'a> Stand<'a> {
         *taken = *taken - old + cover;
         self.drawn = self.drawn - rule.use_per_cover * u64::from(old) + rule.use_per_cover * u64::from(cover);
         self.cover[species] = cover;
+        if let Some(next) = Stratum::ALL.get(rule.stratum as usize + 1) {
+            self.light_from(*next);
+        }
     }
 }
