@@ -131,7 +131,7 @@ impl<'a> Stand<'a> {
 
     /// Adds `cover` of a species, which must fit. Lower plants that lose the light they need give
     /// way and give back what they took, and where the light bears less than stands in a lower
-    /// stratum its species thin out alike: says whether any did.
+    /// stratum its species thin out alike: says whether lower plants fared otherwise than before.
     pub(super) fn plant(&mut self, species: usize, cover: u16) -> bool {
         self.plant_telling(species, cover, |_, _| ())
     }
@@ -139,7 +139,8 @@ impl<'a> Stand<'a> {
     /// Like [`Stand::plant`]; tells each species that gives way and the cover it loses.
     pub(super) fn plant_telling(&mut self, species: usize, cover: u16, mut tell: impl FnMut(usize, u16)) -> bool {
         self.change(species, self.cover[species] + cover);
-        let mut any = false;
+        // Less light leaves less room below, and a last unit cut to that may need less moisture.
+        let mut any = self.site.light_drawn.is_some() && self.rules[species].stratum != Stratum::Herb;
         for stratum in Stratum::ALL.into_iter().filter(|s| *s > self.rules[species].stratum) {
             any |= self.thin_out(stratum, Self::kept_when_lit, &mut tell);
             any |= self.thin_out(stratum, Self::kept_by_light, &mut tell);
