@@ -219,11 +219,11 @@ pub struct SynthesisInput {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]
     pub tolerance_step: Option<f64>,
-    /// The most iterations of a descent; 0 leaves the refinement out. Default: 100.
+    /// The most iterations of a descent; 0 leaves the refinement out. Default: 40.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(max = 10_000))]
     pub max_iterations: Option<u32>,
-    /// Rounds in which outliers are laid out again. Default: 12.
+    /// Rounds in which every element may be laid out again where it fits best. Default: 4.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(max = 200))]
     pub outlier_rounds: Option<u32>,

@@ -2,6 +2,7 @@
 
 mod distributions_analysis;
 pub mod distributions_exemplars;
+mod distributions_quality;
 mod distributions_synthesis;
 mod fauna;
 mod flora;

@@ -201,7 +201,41 @@ impl Child<'_> {
                 sums[0].add_triplets(&triplets);
             }
         }
+        if let Some(squares) = &squares {
+            self.seen_by_parents(&crowds, squares, &mut sums, run)?;
+        }
         Ok(sums.into_iter().map(CurveSum::finish).collect())
+    }
+
+    /// Adds to the curves towards each parent how far elements of the class come together around
+    /// the parent's.
+    fn seen_by_parents(
+        &self,
+        crowds: &[Crowd],
+        squares: &Correlator,
+        sums: &mut [CurveSum],
+        run: &Run,
+    ) -> Result<(), PcfError> {
+        let unit = self.classes[self.class].r_max;
+        let density = self.classes[self.class].count as f64 * unit * unit / self.domain.area();
+        for (sum, crowd) in sums.iter_mut().zip(crowds).skip(1) {
+            let factors = curve::factors(&sum.curve.mass, density);
+            let triplets_of = |body: &Body| {
+                let reach = self.correlator.reach(body, &crowds[0]);
+                let weight = BorderWeight::new(self.domain, body, reach, self.correlator.weight_cap);
+                let (mut row, mut same) = (vec![0.0; factors.len()], vec![0.0; factors.len()]);
+                self.correlator.add_row(&mut row, (body, &weight), &crowds[0], None);
+                squares.add_row(&mut same, (body, &weight), &crowds[0], None);
+                row.iter_mut().zip(&factors).for_each(|(value, factor)| *value *= factor);
+                curve::triplets(&row, &same, &factors)
+            };
+            for chunk in crowd.bodies().chunks(CHUNK) {
+                run.check()?;
+                let all: Vec<Vec<f64>> = chunk.par_iter().map(triplets_of).collect();
+                all.iter().for_each(|triplets| sum.add_triplets(triplets));
+            }
+        }
+        Ok(())
     }
 
     /// What element `i` sees of each crowd, the first of which is its own class.
@@ -236,12 +270,13 @@ impl Child<'_> {
 pub(super) struct CurveSum {
     curve: Curve,
     count: usize,
+    middles: usize,
     keep: bool,
 }
 
 impl CurveSum {
     pub(super) fn new(curve: Curve, keep: bool) -> Self {
-        Self { curve, count: 0, keep }
+        Self { curve, count: 0, middles: 0, keep }
     }
 
     pub(super) fn add(&mut self, row: Vec<f64>) {
@@ -257,9 +292,10 @@ impl CurveSum {
         }
     }
 
-    /// Adds the triplets of one element; none: they are not asked for.
+    /// Adds the triplets around one element; none: they are not asked for.
     pub(super) fn add_triplets(&mut self, triplets: &[f64]) {
         let curve = &mut self.curve;
+        self.middles += 1;
         curve.triplets.resize(triplets.len(), 0.0);
         curve.triplet_variance.resize(triplets.len(), 0.0);
         for (bin, value) in triplets.iter().enumerate() {
@@ -269,10 +305,10 @@ impl CurveSum {
     }
 
     pub(super) fn finish(mut self) -> Curve {
-        let count = self.count.max(1) as f64;
+        let (count, middles) = (self.count.max(1) as f64, self.middles.max(1) as f64);
         for (mean, square) in self.curve.triplets.iter_mut().zip(&mut self.curve.triplet_variance) {
-            *mean /= count;
-            *square = (*square / count - *mean * *mean).max(0.0);
+            *mean /= middles;
+            *square = (*square / middles - *mean * *mean).max(0.0);
         }
         self.curve.mean.iter_mut().for_each(|v| *v /= count);
         self.curve

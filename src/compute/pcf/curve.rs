@@ -28,11 +28,11 @@ pub struct Curve {
     pub lower: Vec<f64>,
     /// Their pointwise greatest value.
     pub upper: Vec<f64>,
-    /// Mean over the class's elements of Σ over pairs of two different partners, both at r: how
-    /// far partners come together (third order). Only of a class looking at itself, and only if
-    /// asked for; else empty.
+    /// Mean over the elements of the parent class of Σ over pairs of two different elements of
+    /// the child class, both at r: how far those come together (third order). Only if asked for;
+    /// else empty.
     pub triplets: Vec<f64>,
-    /// The variance of the elements' own sums, at each place of `triplets`.
+    /// The variance of the parent's elements' own sums, at each place of `triplets`.
     pub triplet_variance: Vec<f64>,
     /// The individual curves, in the order of the class's elements; empty unless kept.
     pub individual: Vec<Vec<f64>>,

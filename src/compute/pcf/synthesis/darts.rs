@@ -1,11 +1,9 @@
 //! Initialisation: dart throwing with a growing tolerance, then a grid search (T Algorithm 1).
 
+use super::filling::Filling;
 use super::partners::Partner;
 use super::patch::Patch;
 use super::trial::BARRED;
-use super::trial::BlockSums;
-use super::trial::Filling;
-use super::trial::KernelRows;
 use super::trial::Trial;
 use crate::compute::geometry::Point;
 use crate::compute::pcf::PcfError;
@@ -48,17 +46,12 @@ pub(super) fn fill(
     run: &Run,
 ) -> Result<Filled, PcfError> {
     radii.sort_by(|a, b| b.total_cmp(a));
-    let kernel = KernelRows::new(patch.scene);
     let neighbours = FILLED_NEIGHBOURS[patch.block.colour];
     let mut thrower = Thrower {
         patch,
         options,
-        trial: Trial::new(patch, &kernel),
-        filling: Filling {
-            inner: patch.inner(&[]),
-            curves: Vec::new(),
-            sums: BlockSums::new(patch.scene, radii.len(), (patch.sampler.block_side(), neighbours)),
-        },
+        trial: Trial::new(patch),
+        filling: Filling::empty(patch, radii.len(), neighbours),
         random: Stream::new(options.seed, DARTS, (patch.scene.class as u64) << 32 | index as u64),
         filled: Filled::default(),
         searching: false,

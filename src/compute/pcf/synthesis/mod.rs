@@ -1,7 +1,11 @@
 //! New arrangements with the curves of an exemplar (T 3.1.2, 3.3, 3.4.3, 3.5).
 
+mod border_table;
 mod darts;
+mod filling;
+mod goal;
 mod intensity;
+mod kernel_rows;
 mod layout;
 mod outliers;
 mod partners;
@@ -10,6 +14,7 @@ mod radii;
 mod refine;
 mod sampler;
 mod scene;
+mod settle;
 mod trial;
 
 use crate::compute::geometry::Point;
@@ -63,12 +68,12 @@ pub struct SynthesisOptions {
     /// ε_Δ, what every rejection since the last acceptance adds to it. Default: 0.5 (ours;
     /// T gives no number and counts all rejections of the class).
     pub tolerance_step: f64,
-    /// The most iterations of a descent. Default: 100 (ours). 0: no refinement.
+    /// The most iterations of a descent. Default: 40 (ours). 0: no refinement.
     pub max_iterations: usize,
     /// The descent ends when elements move less than this many r_max in the mean. Default:
     /// 0.0001 (ours).
     pub least_move: f64,
-    /// Rounds in which outliers are laid out again. Default: 12 (ours).
+    /// Rounds in which elements are laid out again where they fit best. Default: 4 (ours).
     pub outlier_rounds: usize,
     /// An individual curve is outside the validity region when it leaves it by more than this
     /// share of the bound. Default: 0.5 (ours: the extremes of an exemplar's few curves are
@@ -86,9 +91,9 @@ impl Default for SynthesisOptions {
             max_fails: 1000,
             tolerance: 0.0,
             tolerance_step: 0.5,
-            max_iterations: 100,
+            max_iterations: 40,
             least_move: 1e-4,
-            outlier_rounds: 12,
+            outlier_rounds: 4,
             outlier_tolerance: 0.5,
             block_elements: 1500,
         }

@@ -54,10 +54,27 @@ impl Partners {
     }
 
     pub(super) fn push(&mut self, partner: Partner) {
-        let cell = self.row(partner.place.y) * self.columns + self.column(partner.place.x);
+        let cell = self.cell_of(partner.place);
         self.cells[cell].push(self.list.len() as u32);
         self.largest_radius = self.largest_radius.max(partner.radius);
         self.list.push(partner);
+    }
+
+    /// Takes partner `i` out of the search; it keeps its number.
+    pub(super) fn hide(&mut self, i: usize) {
+        let cell = self.cell_of(self.list[i].place);
+        self.cells[cell].retain(|other| *other as usize != i);
+    }
+
+    /// Puts partner `i`, hidden before, to another place.
+    pub(super) fn put(&mut self, i: usize, partner: Partner) {
+        let cell = self.cell_of(partner.place);
+        self.cells[cell].push(i as u32);
+        self.list[i] = partner;
+    }
+
+    fn cell_of(&self, p: Point) -> usize {
+        self.row(p.y) * self.columns + self.column(p.x)
     }
 
     fn column(&self, x: f64) -> usize {

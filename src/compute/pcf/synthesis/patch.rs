@@ -3,6 +3,7 @@ use super::partners::Partners;
 use super::sampler::Block;
 use super::sampler::Sampler;
 use super::scene::Scene;
+use super::scene::View;
 use crate::compute::geometry::Point;
 use crate::compute::pcf::curve;
 use crate::compute::pcf::rms;
@@ -23,6 +24,11 @@ pub(super) struct Patch<'a> {
 }
 
 impl<'a> Patch<'a> {
+    /// Whether an element of the block may lie at `p`.
+    pub(super) fn holds(&self, p: Point) -> bool {
+        self.sampler.allows(p) && self.sampler.block_bounds(self.block).is_some_and(|b| b.contains(p))
+    }
+
     /// Whom an element sees in view `v`, but for the block's own elements.
     pub(super) fn partners(&self, v: usize) -> &Partners {
         if v == 0 { &self.context } else { &self.scene.views[v].partners }
@@ -33,6 +39,11 @@ impl<'a> Patch<'a> {
     pub(super) fn farthest(&self, (radius, inner): (f64, &Partners), place: f64) -> f64 {
         let of_view = |v: usize| self.scene.reach(self.partners(v), radius, place);
         (0..self.scene.views.len()).map(of_view).fold(self.scene.reach(inner, radius, place), f64::max)
+    }
+
+    /// The same in trials.
+    pub(super) fn reach_of(&self, radius: f64, inner: &Partners) -> f64 {
+        self.farthest((radius, inner), self.scene.rows.reach(self.scene.sparse.axis.extent))
     }
 
     /// The block's elements, without those of `left_out` (ascending), as partners.
@@ -50,14 +61,65 @@ impl<'a> Patch<'a> {
     }
 
     /// The individual curves of all elements but those of `left_out` (ascending): one row a
-    /// view, and of the first view the part that the block's own elements add.
+    /// view.
     pub(super) fn individuals(&self, left_out: &[usize]) -> Vec<Individual> {
         let inner = self.inner(left_out);
+        let seen = self.seen_by_parents(&inner, 1.0);
         let kept: Vec<usize> = (0..self.places.len()).filter(|i| left_out.binary_search(i).is_err()).collect();
-        kept.par_iter().enumerate().map(|(k, i)| self.individual(*i, (&inner, k))).collect()
+        kept.par_iter().enumerate().map(|(k, i)| self.individual(*i, (&inner, k), &seen)).collect()
     }
 
-    fn individual(&self, i: usize, (inner, itself): (&Partners, usize)) -> Individual {
+    /// What each element of each parent class sees of the class: the block's elements `inner`,
+    /// and those around it by `share`. Kernel sums by view and partner; empty for partners that
+    /// see nobody, and for views without triplets.
+    pub(super) fn seen_by_parents(&self, inner: &Partners, share: f64) -> Vec<Vec<Vec<f64>>> {
+        let scene = self.scene;
+        let row_of = |view: &View<'_>, j: usize| {
+            let (parent, border) = (&view.partners.list()[j], &view.borders[j]);
+            let mut row = Vec::new();
+            for (children, share) in [(inner, 1.0), (&self.context, share)] {
+                let reach = scene.reach(children, parent.radius, scene.axis.reach()) * scene.unit;
+                children.for_each_near(parent.place, reach, |_, child| {
+                    let distance = child.place.distance(parent.place) / scene.unit;
+                    let place = scene.metric.value(distance, parent.radius, child.radius);
+                    if place <= scene.axis.reach() {
+                        row.resize(scene.sparse.bins(), 0.0);
+                        scene.rows.add(&mut row, place, share * border.at(distance) * child.weight);
+                    }
+                });
+            }
+            row
+        };
+        let of_view = |view: &View<'_>| (0..view.borders.len()).into_par_iter().map(|j| row_of(view, j)).collect();
+        scene.views.iter().map(of_view).collect()
+    }
+
+    /// Of the triplets around the partners of view `v`, those with element `i` (r_max) at one end.
+    fn triplets_at_end(&self, v: usize, (p, radius, weight): (Point, f64, f64), seen: &[Vec<f64>]) -> Vec<f64> {
+        let (scene, view) = (self.scene, &self.scene.views[v]);
+        let bins = scene.sparse.bins();
+        let mut triplets = vec![0.0; view.triplet_weights.len()];
+        if view.borders.is_empty() {
+            return triplets;
+        }
+        let reach = scene.reach(&view.partners, radius, scene.axis.reach()) * scene.unit;
+        view.partners.for_each_near(p, reach, |j, parent| {
+            let distance = parent.place.distance(p) / scene.unit;
+            let place = scene.metric.value(distance, radius, parent.radius);
+            if !seen[j].is_empty() && place <= scene.axis.reach() {
+                let (first, kernel) = scene.rows.around(place, bins);
+                let pair = view.borders[j].at(distance) * weight;
+                for (k, value) in kernel.iter().enumerate() {
+                    triplets[first + k] += pair * value * (seen[j][first + k] - pair * value);
+                }
+            }
+        });
+        let per_child = view.per_child(false, scene.count);
+        triplets.iter_mut().zip(&view.goal.reverse).for_each(|(t, factor)| *t *= factor * factor * per_child);
+        triplets
+    }
+
+    fn individual(&self, i: usize, (inner, itself): (&Partners, usize), seen: &[Vec<Vec<f64>>]) -> Individual {
         let (scene, p, radius) = (self.scene, self.places[i], self.radii[i] / self.scene.unit);
         let border = scene.border(p, self.farthest((radius, inner), scene.axis.reach()));
         let zeros = || vec![0.0; scene.axis.bins()];
@@ -71,31 +133,36 @@ impl<'a> Patch<'a> {
         for (row, view) in rows.iter_mut().zip(&scene.views) {
             row.iter_mut().zip(&view.factors).for_each(|(value, factor)| *value *= factor);
         }
-        own.iter_mut().zip(&scene.views[0].factors).for_each(|(value, factor)| *value *= factor);
-        let mut triplets = Vec::new();
-        if !scene.triplet_weights.is_empty() {
+        let weight = scene.intensity.weight(p);
+        let at_end = |v: usize| self.triplets_at_end(v, (p, radius, weight), &seen[v]);
+        let mut triplets: Vec<Vec<f64>> = (1..scene.views.len()).map(at_end).collect();
+        let mut of_own = Vec::new();
+        if !scene.views[0].triplet_weights.is_empty() {
             let mut same = zeros();
             scene.add_squares(&mut same, (p, radius, &border), (&self.context, None));
             scene.add_squares(&mut same, (p, radius, &border), (inner, Some(itself)));
-            triplets = curve::triplets(&rows[0], &same, &scene.views[0].factors);
+            of_own = scene.sparse.of_row(&curve::triplets(&rows[0], &same, &scene.views[0].factors));
         }
-        Individual { rows, own, triplets }
+        triplets.insert(0, of_own);
+        Individual { rows, triplets }
     }
 
-    /// How far the mean triplets are from the exemplar's, in standard deviations of single
-    /// elements; 0 when the exemplar has none.
-    pub(super) fn triplet_error(&self, individuals: &[Individual]) -> f64 {
-        let (sums, target) = (triplet_sums(individuals, self.scene), self.scene.views[0].target);
+    /// How far the mean triplets of each view are from the exemplar's, in standard deviations
+    /// of single elements; 0 when the exemplar has none.
+    pub(super) fn triplet_errors(&self, individuals: &[Individual]) -> Vec<f64> {
         let count = individuals.len().max(1) as f64;
-        let square = |(bin, weight): (usize, &f64)| (sums[bin] / count - target.triplets[bin]).powi(2) * weight;
-        let squares: f64 = self.scene.triplet_weights.iter().enumerate().map(square).sum();
-        (squares / sums.len().max(1) as f64).sqrt()
+        let error = |(sums, view): (&Vec<f64>, &View<'_>)| {
+            let square = |(bin, weight): (usize, &f64)| (sums[bin] / count - view.goal.triplets[bin]).powi(2) * weight;
+            let squares: f64 = view.triplet_weights.iter().enumerate().map(square).sum();
+            (squares / sums.len().max(1) as f64).sqrt()
+        };
+        triplet_sums(individuals, self.scene).iter().zip(&self.scene.views).map(error).collect()
     }
 
     /// Root mean square difference of the block's mean curves to their targets, one a view.
     pub(super) fn errors_of(&self, individuals: &[Individual]) -> Vec<f64> {
         let count = individuals.len().max(1) as f64;
-        let error = |(sum, view): (&Vec<f64>, &super::scene::View<'_>)| {
+        let error = |(sum, view): (&Vec<f64>, &View<'_>)| {
             let mean: Vec<f64> = sum.iter().map(|s| s / count).collect();
             rms(&mean, &view.target.mean)
         };
@@ -108,17 +175,18 @@ impl<'a> Patch<'a> {
 pub(super) struct Individual {
     /// Its curves, one a view.
     pub(super) rows: Vec<Vec<f64>>,
-    /// Of the first, what the block's own elements add.
-    pub(super) own: Vec<f64>,
-    /// Its triplets among its own class; empty when the exemplar has none.
-    pub(super) triplets: Vec<f64>,
+    /// The triplets of its own class around it, and for each parent class the triplets around
+    /// the parent's elements that it is an end of; empty where the exemplar has none.
+    pub(super) triplets: Vec<Vec<f64>>,
 }
 
-/// The sums of individual triplets.
-pub(super) fn triplet_sums(individuals: &[Individual], scene: &Scene<'_>) -> Vec<f64> {
-    let mut sums = vec![0.0; scene.triplet_weights.len()];
+/// The sums of individual triplets, one row a view.
+pub(super) fn triplet_sums(individuals: &[Individual], scene: &Scene<'_>) -> Vec<Vec<f64>> {
+    let mut sums: Vec<Vec<f64>> = scene.views.iter().map(|v| vec![0.0; v.triplet_weights.len()]).collect();
     for individual in individuals {
-        sums.iter_mut().zip(&individual.triplets).for_each(|(s, t)| *s += t);
+        for (sum, row) in sums.iter_mut().zip(&individual.triplets) {
+            sum.iter_mut().zip(row).for_each(|(s, t)| *s += t);
+        }
     }
     sums
 }

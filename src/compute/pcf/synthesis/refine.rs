@@ -93,6 +93,8 @@ struct Descent<'a> {
     /// How far each element may move before it must be checked against the room, in metres.
     freedom: Vec<f64>,
     gathered_at: Vec<Point>,
+    /// How far the border is from each element at least, while the lists hold, in metres.
+    clearance: Vec<f64>,
     /// The error each curve is measured by.
     scales: Vec<f64>,
 }
@@ -142,6 +144,7 @@ impl<'a> Descent<'a> {
             pairs: Vec::new(),
             freedom: Vec::new(),
             gathered_at: Vec::new(),
+            clearance: Vec::new(),
             scales: scales.to_vec(),
         }
     }
@@ -185,6 +188,9 @@ impl<'a> Descent<'a> {
             .collect();
         self.pairs = gathered;
         self.freedom = places.par_iter().map(|p| self.patch.sampler.freedom(*p, skin)).collect();
+        let farthest = (largest + self.scene.largest_radius() + axis_reach) * self.scene.unit;
+        let clearance = |p: &Point| self.scene.domain.clearance(*p, farthest) - skin;
+        self.clearance = places.par_iter().map(clearance).collect();
         self.gathered_at = places.to_vec();
     }
 
@@ -362,6 +368,11 @@ impl<'a> Descent<'a> {
                 let (place, radius) = self.partner(places, v, pair.partner as usize);
                 let offset = places[i] - place;
                 let distance = offset.norm();
+                // Beyond the border there is nobody to pull back: only partners whose mirror
+                // image, seen from here, lies in the domain too are balanced.
+                if distance > self.clearance[i] && !self.scene.domain.contains(places[i] + offset) {
+                    continue;
+                }
                 let scaled = distance / self.scene.unit;
                 let at = self.scene.metric.value(scaled, self.radii[i], radius) / self.cell;
                 let cell = at as usize;

@@ -1,4 +1,8 @@
+use super::border_table::BorderTable;
+use super::goal::Goal;
+use super::goal::Sparse;
 use super::intensity::Intensity;
+use super::kernel_rows::KernelRows;
 use super::partners::Partner;
 use super::partners::Partners;
 use crate::compute::geometry::Point;
@@ -15,6 +19,7 @@ use crate::compute::pcf::Metric;
 use crate::compute::pcf::WEIGHT_CAP;
 use crate::compute::pcf::analyse::expected_mass;
 use crate::compute::pcf::curve;
+use rayon::prelude::*;
 
 /// The class being laid out, among all that is there already.
 pub(super) struct Scene<'a> {
@@ -34,11 +39,12 @@ pub(super) struct Scene<'a> {
     /// smallest distance, scaled with r_max (for disks, which keep their size, only down).
     pub(super) closest: f64,
     largest_radius: f64,
-    /// What a squared difference of triplets weighs at each place of the axis: the inverse of
-    /// their variance in the exemplar. Empty when it has none.
-    pub(super) triplet_weights: Vec<f64>,
     /// The kernel squared.
     squares: Kernel,
+    /// The kernel by table, for trials.
+    pub(super) rows: KernelRows,
+    /// The places of the axis that trials look at.
+    pub(super) sparse: Sparse,
 }
 
 /// One active curve: what the class sees of one class, and what it should see.
@@ -49,6 +55,21 @@ pub(super) struct View<'a> {
     pub(super) mass: Vec<f64>,
     /// Who is looked at; of its own class, those that were there before.
     pub(super) partners: Partners,
+    /// What trials aim at.
+    pub(super) goal: Goal,
+    /// What a squared difference of the summed triplets weighs at each place of the axis: the
+    /// inverse of their variance in the exemplar. Empty when it has none.
+    pub(super) triplet_weights: Vec<f64>,
+    /// The border weights around the partners, of parents with triplets.
+    pub(super) borders: Vec<BorderTable>,
+}
+
+impl View<'_> {
+    /// What the triplets of this view are multiplied by so that their mean is taken over the
+    /// class, of which there are `count`, instead of over those in their middle.
+    pub(super) fn per_child(&self, is_own: bool, count: usize) -> f64 {
+        if is_own { 1.0 } else { count as f64 / self.partners.list().len().max(1) as f64 }
+    }
 }
 
 impl<'a> Scene<'a> {
@@ -63,6 +84,7 @@ impl<'a> Scene<'a> {
         let unit = crate::compute::pcf::maximal_spacing(domain.area(), own.len());
         let curves = analysis.curves.iter().filter(|c| c.child == class);
         let axis = analysis.curves.iter().find(|c| c.child == class).map_or_else(Axis::default, |c| c.axis);
+        let sparse = Sparse::of(axis);
         let view = |target: &'a Curve| {
             let same = target.parent == class;
             let others: Vec<f64> = if same { own.clone() } else { radii_of(placed, target.parent).collect() };
@@ -73,12 +95,17 @@ impl<'a> Scene<'a> {
                 let weight = intensity.weight(e.centre);
                 partners.push(Partner { place: e.centre, radius: e.radius / unit, weight });
             }
-            View { target, factors: curve::factors(&mass, density), mass, partners }
+            let factors = curve::factors(&mass, density);
+            let reverse = curve::factors(&mass, own.len() as f64 * unit * unit / domain.area());
+            let goal = Goal::new(target, (&factors, &reverse), &sparse);
+            let triplet_weights =
+                triplet_weights(target, &sparse, if same { 1.0 } else { others.len() as f64 / own.len() as f64 });
+            View { target, factors, mass, partners, goal, triplet_weights, borders: Vec::new() }
         };
         let summary = &analysis.classes[class];
         let scale =
             if analysis.metric == Metric::Point { unit / summary.r_max } else { (unit / summary.r_max).min(1.0) };
-        Self {
+        let mut scene = Self {
             class,
             metric: analysis.metric,
             axis,
@@ -89,10 +116,33 @@ impl<'a> Scene<'a> {
             views: curves.map(view).collect(),
             count: own.len(),
             closest: 0.5 * summary.closest * scale,
-            triplet_weights: analysis.curve(class, class).map(triplet_weights).unwrap_or_default(),
             squares: Kernel::new(axis).squared(),
+            rows: KernelRows::new(sparse.axis),
+            sparse,
             largest_radius: own.iter().copied().fold(0.0, f64::max) / unit,
+        };
+        for v in 1..scene.views.len() {
+            scene.views[v].borders = scene.border_tables(&scene.views[v]);
         }
+        scene
+    }
+
+    /// The border weights around every partner of a view with triplets.
+    fn border_tables(&self, view: &View<'_>) -> Vec<BorderTable> {
+        if view.triplet_weights.is_empty() {
+            return Vec::new();
+        }
+        let table = |p: &Partner| {
+            let reach = self.metric.reach(self.axis.reach(), p.radius, self.largest_radius);
+            BorderTable::new(self.domain, p.place, (reach, self.unit))
+        };
+        view.partners.list().par_iter().map(table).collect()
+    }
+
+    /// What the triplets of view `v` count: those of the class itself 1, those around parents 1
+    /// together.
+    pub(super) fn triplet_share(&self, v: usize) -> f64 {
+        if v == 0 { 1.0 } else { 1.0 / (self.views.len() - 1) as f64 }
     }
 
     /// The largest radius of the class, in r_max.
@@ -104,6 +154,11 @@ impl<'a> Scene<'a> {
     /// `partners` below `place` on the axis.
     pub(super) fn reach(&self, partners: &Partners, radius: f64, place: f64) -> f64 {
         self.metric.reach(place, radius, partners.largest_radius())
+    }
+
+    /// The same by table, for trials.
+    pub(super) fn border_table(&self, p: Point, reach: f64) -> BorderTable {
+        BorderTable::new(self.domain, p, (reach, self.unit))
     }
 
     /// The border weight around `p`, for pairs up to `reach` r_max.
@@ -151,8 +206,10 @@ fn radii_of(elements: &[Element], class: usize) -> impl Iterator<Item = f64> {
 /// their mean variance.
 const LEAST_VARIANCE: f64 = 0.01;
 
-fn triplet_weights(curve: &Curve) -> Vec<f64> {
-    let mean = curve.triplet_variance.iter().sum::<f64>() / curve.triplet_variance.len().max(1) as f64;
+/// The inverse variances times `share`, the number of middles an element of the class has.
+fn triplet_weights(curve: &Curve, sparse: &Sparse, share: f64) -> Vec<f64> {
+    let variance = sparse.of_row(&curve.triplet_variance);
+    let mean = variance.iter().sum::<f64>() / variance.len().max(1) as f64;
     let least = (mean * LEAST_VARIANCE).max(1e-12);
-    curve.triplet_variance.iter().map(|v| 1.0 / v.max(least)).collect()
+    variance.iter().map(|v| share / v.max(least)).collect()
 }
