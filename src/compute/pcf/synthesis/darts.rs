@@ -18,7 +18,10 @@ const DARTS: Purpose = Purpose::new("distribution.darts");
 const LOOK_EVERY: usize = 64;
 
 /// Draws that miss the room, for one dart, before it counts as failed.
-const MISSES: usize = 8;
+const MISSES: usize = 32;
+
+/// Places of one level of a painted density differ by at most this factor from the first.
+const LEVEL_WIDTH: f64 = 1.3;
 
 /// The share of a block's neighbours that is filled before it, by its colour: none, those at
 /// two sides, those at the other two, all.
@@ -92,20 +95,31 @@ impl Thrower<'_> {
 
     /// Throws darts until one is below the tolerance; `None` after `max_fails` in a row.
     fn throw(&mut self, radius: f64, run: &Run) -> Result<Option<Point>, PcfError> {
+        let mut level = None;
         for fails in 0..self.options.max_fails {
             if fails % LOOK_EVERY == 0 {
                 run.check()?;
             }
             let tolerance = self.options.tolerance + self.options.tolerance_step * fails as f64;
-            let Some(p) = (0..MISSES).find_map(|_| self.patch.sampler.draw(self.patch.block, &mut self.random)) else {
-                continue;
-            };
+            let Some(p) = (0..MISSES).find_map(|_| self.draw(level)) else { continue };
+            level = level.or(Some(self.patch.scene.intensity.at(p)));
             self.filled.darts += 1;
             if self.error(p, radius, tolerance) <= tolerance {
                 return Ok(Some(p));
             }
         }
         Ok(None)
+    }
+
+    /// A place drawn by the density. With a painted one, the first dart of an element decides how
+    /// dense its place is (`level`) and the others keep to that: where elements lie thin, curves
+    /// are rougher and darts fail more often, which must not thin them further.
+    fn draw(&mut self, level: Option<f64>) -> Option<Point> {
+        let (intensity, level) = (self.patch.scene.intensity, level.filter(|_| !self.patch.scene.intensity.is_flat()));
+        let is_level = |p: &Point| {
+            level.is_none_or(|level| (1.0 / LEVEL_WIDTH..=LEVEL_WIDTH).contains(&(intensity.at(*p) / level)))
+        };
+        self.patch.sampler.draw(self.patch.block, &mut self.random).filter(is_level)
     }
 
     /// The best of one random place in every cell of the block (T 3.5.2), ties by a coin.
