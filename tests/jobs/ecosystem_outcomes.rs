@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use biotope::jobs::Artefact;
+use biotope::jobs::local::Bench;
 use biotope::jobs::local::FileRequest;
 use biotope::jobs::progress::Live;
 use biotope::jobs::registry::Registry;
@@ -75,9 +76,9 @@ fn the_mild_sample_has_animals_no_denser_than_ten_times_their_relatives_and_carn
     let runtime = tokio::runtime::Runtime::new().expect("a runtime");
     let store = BlockingStore::new(Store::in_memory(), runtime.handle().clone());
     let registry = Registry::standard().expect("schemas");
-    let entry = registry.find("ecosystem").expect("the process");
+    let bench = Bench { registry: &registry, store: &store, threads: 2 };
     let request = FileRequest::open(&file).expect("the example");
-    let kept = request.solve(entry, &store, 2, &Arc::new(Live::new(1))).expect("a solve");
+    let kept = request.solve("ecosystem", &bench, &Arc::new(Live::new(1))).expect("a solve");
     for code in ["DENSITY_OUT_OF_RANGE", "BIOMASS_OUT_OF_RANGE"] {
         assert!(kept.warnings.iter().all(|warning| warning.code != code), "{:?}", kept.warnings);
     }
