@@ -66,7 +66,8 @@ pub fn inpaint(
     };
     let known = known.intersection(domain).ok_or(PcfError::NoRoom)?;
     let seen: Vec<Element> = elements.iter().filter(|e| known.contains(e.centre)).copied().collect();
-    let analysis = analyse(&seen, &known, (dependencies, &options.analysis), run)?;
+    let learning = AnalysisOptions { triplets: true, ..options.analysis.clone() };
+    let analysis = analyse(&seen, &known, (dependencies, &learning), run)?;
     // 2. The holes, as many elements in them as the density asks for.
     let holes = domain.minus(&known);
     let hole_area = holes.as_ref().map_or(0.0, Region::area);

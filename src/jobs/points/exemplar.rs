@@ -80,7 +80,7 @@ impl Exemplar {
     /// # Errors
     /// A stop.
     pub fn analyse(&self, keep_individual: bool, run: &Run) -> Result<Analysis, Failure> {
-        let options = AnalysisOptions { keep_individual, ..self.options.clone() };
+        let options = AnalysisOptions { keep_individual, triplets: true, ..self.options.clone() };
         pcf::analyse(&self.named.elements, &self.domain, (&self.graph, &options), run)
             .map_err(|e| faults::failure(e, |class| self.named.name(class)))
     }
