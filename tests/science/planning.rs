@@ -17,9 +17,11 @@ use biotope::compute::ecosystem::planning::Planning;
 use biotope::compute::ecosystem::planning::Plannings;
 use biotope::compute::ecosystem::planning::Reason;
 use biotope::compute::ecosystem::planning::Visit;
+use biotope::compute::ecosystem::planning::capacity;
 use biotope::compute::ecosystem::planning::edit;
 use biotope::compute::ecosystem::planning::plannings;
 use biotope::compute::ecosystem::planning::tracks;
+use biotope::compute::ecosystem::rag;
 use biotope::compute::ecosystem::rag::Resource;
 use biotope::compute::ecosystem::summary::time_budget;
 use biotope::compute::ecosystem::trails::trails;
@@ -115,7 +117,7 @@ fn crowded(world: &World, plans: &Plannings, options: &Options) -> Option<String
         let now = now + 1e-6;
         let there = stays.iter().filter(|s| s.0 == node && s.1 <= now && now < s.2);
         let sum: u32 = there.map(|s| s.3).sum();
-        let capacity = (world.rag.nodes[node].area_m2 / options.m2_each).max(1.0) as u32;
+        let capacity = capacity(&world.rag.nodes[node], world.grid.cell_m, options.m2_each);
         (sum > capacity).then(|| format!("{sum} of {capacity} at node {node} at {now}"))
     })
 }
@@ -211,6 +213,19 @@ fn wolves_meet_deer_and_stay_no_longer_than_they_do() {
     let hunts: Vec<&Visit> = plans.days.iter().flat_map(|d| &d.visits).filter(|v| v.prey.is_some()).collect();
     assert!(hunts.len() >= 2);
     assert!(hunts.iter().all(|hunt| hunt.activity == Activity::Hunt && plans.herds[hunt.prey.unwrap()].species == 0));
+}
+
+#[test]
+fn a_bank_holds_as_many_on_fine_cells_as_on_cells_as_wide_as_an_animal() {
+    let world = valley(&[12, 8, 10]);
+    let bank = world.rag.nodes.iter().find(|n| n.resource == Resource::Water).unwrap();
+    let metres = |cell_m: f64| rag::Node { area_m2: 100.0 * cell_m, ..bank.clone() };
+    for cell_m in [0.5, 1.0, 5.0] {
+        assert_eq!(capacity(&metres(cell_m), cell_m, 25.0), 20, "{cell_m}");
+    }
+    assert_eq!(capacity(&metres(50.0), 50.0, 25.0), 200);
+    let meadow = rag::Node { resource: MEADOW, area_m2: 100.0, ..bank.clone() };
+    assert_eq!(capacity(&meadow, 1.0, 25.0), 4);
 }
 
 #[test]

@@ -101,7 +101,7 @@ pub fn edit(
     run: &Run,
 ) -> Result<Edited, Stopped> {
     let options = options.within_limits();
-    let rooms = Rooms::new(habitat.rag, options.m2_each);
+    let rooms = Rooms::new(habitat.rag, habitat.grid.cell_m, options.m2_each);
     let mut days = plannings.days.clone();
     let mut edited = Edited { days: Vec::new(), conflicts: Vec::new() };
     if days.get(herd).is_none_or(|day| day.visits.len() < 2) {

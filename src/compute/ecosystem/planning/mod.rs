@@ -29,6 +29,7 @@ pub use herds::herds;
 pub use motion::Pace;
 pub use motion::Track;
 pub use motion::tracks;
+pub use occupancy::capacity;
 
 use super::habitat::Habitat;
 use super::presence::Drinking;
@@ -59,7 +60,7 @@ pub struct Options {
     /// How long a herd waits for room before it looks again, seconds, at least 300. Default:
     /// 1 800 (ours).
     pub wait_s: f64,
-    /// **Node capacity**: ground an individual takes at a node, m², at least 0.01. Default: 25
+    /// Ground an individual takes at a node, m², at least 0.01; see [`capacity`]. Default: 25
     /// (ours: some body lengths apart).
     pub m2_each: f64,
     /// The seed.
@@ -197,7 +198,7 @@ type Planned = (usize, Planning, Vec<Reason>);
 pub fn plannings(habitat: &Habitat, options: &Options, run: &Run) -> Result<Plannings, Stopped> {
     let options = options.within_limits();
     let herds = herds(habitat.rag);
-    let rooms = Rooms::new(habitat.rag, options.m2_each);
+    let rooms = Rooms::new(habitat.rag, habitat.grid.cell_m, options.m2_each);
     let mut days = vec![Planning { visits: Vec::new() }; herds.len()];
     let mut occupancy = Occupancy::default();
     let mut warnings = Vec::new();

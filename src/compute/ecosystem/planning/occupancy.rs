@@ -1,7 +1,9 @@
 //! Who is where when, and whether there is room: **node capacity** (L 6.2).
 
 use super::DAY_S;
+use crate::compute::ecosystem::rag::Node;
 use crate::compute::ecosystem::rag::Rag;
+use crate::compute::ecosystem::rag::Resource;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -15,14 +17,14 @@ pub(crate) struct Rooms {
 }
 
 impl Rooms {
-    /// Rooms for one individual per `m2_each` square metres, and at least one.
-    pub(crate) fn new(rag: &Rag, m2_each: f64) -> Self {
+    /// The rooms of a graph on cells of `cell_m`, where an individual takes `m2_each`.
+    pub(crate) fn new(rag: &Rag, cell_m: f64, m2_each: f64) -> Self {
         let mut known = BTreeMap::new();
         let mut rooms = Self { of_node: Vec::with_capacity(rag.nodes.len()), capacity: Vec::new() };
         for node in &rag.nodes {
             let next = rooms.capacity.len();
             let room = *known.entry((node.resource, node.cell)).or_insert(next);
-            let holds = (node.area_m2 / m2_each).max(1.0) as u32;
+            let holds = capacity(node, cell_m, m2_each);
             if room == next {
                 rooms.capacity.push(holds);
             } else {
@@ -32,6 +34,17 @@ impl Rooms {
         }
         rooms
     }
+}
+
+/// **Node capacity**: individuals that a node holds at a time, at least one. A bank is as long as
+/// its cells, and as wide as one of them or as an individual, whichever is more, so that it does
+/// not hold fewer on finer cells.
+pub fn capacity(node: &Node, cell_m: f64, m2_each: f64) -> u32 {
+    let wider = match node.resource {
+        Resource::Water => (m2_each.sqrt() / cell_m).max(1.0),
+        Resource::Food(_) => 1.0,
+    };
+    (node.area_m2 * wider / m2_each).max(1.0) as u32
 }
 
 /// Who is in the rooms, on a day that comes again and again: intervals are taken modulo a day.

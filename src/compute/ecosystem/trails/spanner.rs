@@ -175,8 +175,8 @@ mod tests {
                 }
             }
         }
-        for i in 0..n {
-            assert!((0..n).all(|j| best[i][j] <= detour * cost(i, j) + 1e-9));
+        for (i, row) in best.iter().enumerate() {
+            assert!(row.iter().enumerate().all(|(j, length)| *length <= detour * cost(i, j) + 1e-9));
         }
     }
 
