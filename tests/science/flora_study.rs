@@ -36,7 +36,6 @@ use biotope::compute::run::Run;
 /// A terrain with its water, and what a climate makes of them.
 pub struct Land {
     pub terrain: Terrain,
-    pub water: Water,
     pub resources: Resources,
 }
 
@@ -57,7 +56,7 @@ impl Land {
         let water = water(&terrain.height, &run);
         let own = (GivenMaps::default(), &ResourceRules::default());
         let resources = Resources::assemble((&terrain, &water), climate, own, &run).unwrap();
-        Self { terrain, water, resources }
+        Self { terrain, resources }
     }
 
     /// The plants that grow there when these needs count.

@@ -6,7 +6,6 @@ use crate::compute::ecosystem::flora::rule::Rule;
 use crate::compute::ecosystem::flora::rule::WHOLE_CELL_USE;
 use crate::compute::ecosystem::flora::rule::moisture_parts;
 use crate::compute::ecosystem::flora::rule::moisture_scale_units;
-use crate::compute::ecosystem::flora::rule::share;
 use crate::compute::ecosystem::scales::Scale;
 use crate::compute::ecosystem::species::Stratum;
 

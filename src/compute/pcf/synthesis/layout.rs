@@ -122,10 +122,9 @@ impl<'a> Layout<'a> {
                 let mut patch = self.patch(self.blocks[*k].clone());
                 let stream = (self.scene.class as u64) << 24 | blocks[*k].0 as u64;
                 let improved = outliers::improve(&mut patch, stream, options, run)?;
-                Ok((improved, patch.places.into_iter().zip(patch.radii).collect()))
+                Ok((improved, patch.places.into_iter().zip(patch.radii).collect::<Vec<_>>()))
             };
-            let results: Vec<Result<(outliers::Improved, Vec<(Point, f64)>), PcfError>> =
-                turn.par_iter().map(improve).collect();
+            let results: Vec<Result<_, PcfError>> = turn.par_iter().map(improve).collect();
             for (k, result) in turn.into_iter().zip(results) {
                 let (improved, elements) = result?;
                 tally.iterations = tally.iterations.max(improved.iterations);

@@ -233,8 +233,8 @@ impl<'a> Descent<'a> {
     /// helps, then on while the next is better still.
     fn best_step(&self, places: &[Point], directions: &[Point], from: (&State, usize)) -> Option<Step> {
         let mut best: Option<Step> = None;
-        for rank in from.1..STEPS.len() {
-            let moved = self.moved(places, directions, STEPS[rank] * self.scene.unit);
+        for (rank, step) in STEPS.iter().enumerate().skip(from.1) {
+            let moved = self.moved(places, directions, step * self.scene.unit);
             let state = self.measure(&moved);
             let better = best.as_ref().map_or(from.0.total, |b| b.state.total);
             if state.total < better {
