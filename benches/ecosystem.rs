@@ -3,7 +3,8 @@
 //!
 //! `cargo bench --bench ecosystem -- [SIDE …]` (default: 390 1024 2048 4096). Each size runs in a
 //! process of its own, from an empty store, so that peaks are its own; the figures include
-//! writing each stage's result to disk.
+//! writing each stage's result to disk. Then the same solve is told to stop at five moments, as a
+//! dismissal does, and the time until it has stopped is printed.
 
 use std::path::Path;
 use std::process::Command;
@@ -18,12 +19,16 @@ use biotope::codec::map::MapData;
 use biotope::compute::ecosystem::valley::Valley;
 use biotope::compute::ecosystem::valley::ValleyOptions;
 use biotope::jobs::local::FileRequest;
+use biotope::jobs::local::LocalError;
 use biotope::jobs::local::LocalRun;
 use biotope::jobs::progress::Live;
 use serde_json::Value;
 use serde_json::json;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+
+/// Shares of the seconds of a solve after which it is told to stop, to see how soon it does.
+const DISMISSED_AT: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
 /// Names the child process that solves one size.
 const CHILD: &str = "BIOTOPE_BENCH_SIDE";
@@ -49,13 +54,11 @@ fn one(side: usize) -> Outcome<()> {
     let handle = runtime.handle().clone();
     let (out, live) = (folder.path().join("out"), Arc::new(Live::new(1)));
     let threads = std::thread::available_parallelism()?.get();
+    let solve = Solve { request: &request, out: &out, threads, handle };
     let start = Instant::now();
     let mut meter = Meter::new();
     std::thread::scope(|scope| -> Outcome<()> {
-        let work = scope.spawn(|| {
-            let place = LocalRun { out: &out, keep: None, threads };
-            FileRequest::open(&request).and_then(|file| file.run("ecosystem", &place, &live, handle)).map(drop)
-        });
+        let work = scope.spawn(|| solve.run(&live));
         while !work.is_finished() {
             meter.look(&live);
             std::thread::sleep(Duration::from_millis(2));
@@ -63,15 +66,47 @@ fn one(side: usize) -> Outcome<()> {
         work.join().map_err(|_| "the work panicked")?.map_err(|e| e.to_string().into())
     })?;
     meter.end_stage();
-    println!(
-        "\n{side} x {side} cells, {threads} threads: {:.2} s in all, peak {} MiB",
-        start.elapsed().as_secs_f64(),
-        meter.peak
-    );
+    let seconds = start.elapsed().as_secs_f64();
+    println!("\n{side} x {side} cells, {threads} threads: {:.2} s in all, peak {} MiB", seconds, meter.peak);
     for (stage, seconds, mib) in meter.stages {
         println!("{stage:24} {seconds:8.2} s {mib:7} MiB");
     }
+    for share in DISMISSED_AT {
+        match solve.stopped_after(Duration::from_secs_f64(share * seconds)) {
+            Some(latency) => println!("dismissed at {:2.0} %: stops in {latency:.3} s", 100.0 * share),
+            None => println!("dismissed at {:2.0} %: had ended already", 100.0 * share),
+        }
+    }
     Ok(())
+}
+
+/// A solve that can be run again and again, each time from an empty store.
+struct Solve<'a> {
+    request: &'a Path,
+    out: &'a Path,
+    threads: usize,
+    handle: tokio::runtime::Handle,
+}
+
+impl Solve<'_> {
+    fn run(&self, live: &Arc<Live>) -> Result<(), LocalError> {
+        let place = LocalRun { out: self.out, keep: None, threads: self.threads };
+        let handle = self.handle.clone();
+        FileRequest::open(self.request).and_then(|file| file.run("ecosystem", &place, live, handle)).map(drop)
+    }
+
+    /// Tells a solve to stop after `time`; seconds until it has.
+    fn stopped_after(&self, time: Duration) -> Option<f64> {
+        let live = Arc::new(Live::new(1));
+        std::thread::scope(|scope| {
+            let work = scope.spawn(|| self.run(&live));
+            std::thread::sleep(time);
+            let told = Instant::now();
+            live.stop.stop();
+            let ended = work.join().ok()?;
+            matches!(ended, Err(LocalError::Stopped)).then(|| told.elapsed().as_secs_f64())
+        })
+    }
 }
 
 /// Notes when stages begin, and the peak memory in each.

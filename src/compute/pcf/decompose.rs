@@ -32,7 +32,7 @@ pub struct Decomposition {
 /// in the space of curves (T 3.2.4), started by k-means++ (Arthur and Vassilvitskii 2007).
 ///
 /// # Errors
-/// [`PcfError::BadClusterCount`] for none or more than there are elements; those of [`analyse`].
+/// [`PcfError::BadClusterCount`] for none or more than there are elements; those of [`analyse()`].
 pub fn decompose(
     elements: &[Element],
     domain: &Region,

@@ -51,7 +51,7 @@ pub struct Inpainting {
 /// arrangement and density; the `elements` that are there stay (T 3.2.3).
 ///
 /// # Errors
-/// Those of [`analyse`], [`learn_border`] and [`synthesise`]; [`PcfError::NoRoom`] when the
+/// Those of [`analyse()`], [`learn_border`] and [`synthesise`]; [`PcfError::NoRoom`] when the
 /// known region and the domain are apart.
 pub fn inpaint(
     elements: &[Element],
