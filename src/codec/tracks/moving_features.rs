@@ -3,6 +3,9 @@
 
 use std::fmt::Write as _;
 
+use time::OffsetDateTime;
+use time::PrimitiveDateTime;
+
 use super::TrackFile;
 use crate::codec::map::Georeference;
 
@@ -83,21 +86,13 @@ fn crs(georeference: &Georeference) -> String {
     }
 }
 
-/// A moment in milliseconds, by the calendar of H. Hinnant, *chrono-compatible low-level date
-/// algorithms*: days to year, month and day.
+/// A moment in milliseconds. What the calendar cannot hold stands at its last day.
 fn timestamp(seconds: f64) -> String {
-    let millis = (seconds.clamp(-9e11, 9e11) * 1000.0).round() as i64 + EPOCH_S * 1000;
-    let (days, of_day) = (millis.div_euclid(86_400_000), millis.rem_euclid(86_400_000));
-    let shifted = days + 719_468;
-    let (era, day_of_era) = (shifted.div_euclid(146_097), shifted.rem_euclid(146_097));
-    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * month + 2) / 5 + 1;
-    let (month, carry) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
-    let year = era * 400 + year_of_era + carry;
-    let (hour, minute) = (of_day / 3_600_000, of_day / 60_000 % 60);
-    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{:02}.{:03}Z", of_day / 1000 % 60, of_day % 1000)
+    let millis = (seconds.clamp(-9e11, 9e11) * 1000.0).round() as i128 + i128::from(EPOCH_S) * 1000;
+    let moment = OffsetDateTime::from_unix_timestamp_nanos(millis * 1_000_000)
+        .unwrap_or(PrimitiveDateTime::MAX.assume_utc());
+    let (date, (hour, minute, second, millis)) = (moment.date(), moment.time().as_hms_milli());
+    format!("{date}T{hour:02}:{minute:02}:{second:02}.{millis:03}Z")
 }
 
 #[cfg(test)]
