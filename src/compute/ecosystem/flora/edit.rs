@@ -56,18 +56,16 @@ pub fn paint(
 ) -> Result<(Flora, Painted), FloraError> {
     same_size(resources.soil.data.len(), wanted.data.len())?;
     let rules = super::rules(species, options)?;
-    let sites = super::sites(run, resources, options)?;
-    let Flora { mut covers, reached, .. } = flora;
+    let offer = super::offer(resources, options)?;
+    let brushed = |cell: usize| wanted.data[cell].is_finite();
     let brush = |cell: usize, cover: &mut [u16], tally: &mut Tally| {
-        let wish = wanted.data[cell];
-        if wish.is_finite() {
-            let mut stand = Stand::new(&rules, sites.at(cell), cover);
-            let suits = fitness.levels[painted].data[cell] > 0;
-            repaint(&mut stand, (painted, suits), rule::cover(wish), (cell, tally));
-        }
+        let mut stand = Stand::new(&rules, offer.at(cell), cover);
+        let suits = fitness.levels[painted].data[cell] > 0;
+        repaint(&mut stand, (painted, suits), rule::cover(wanted.data[cell]), (cell, tally));
     };
-    let tally = each_cell(run, &mut covers, brush)?;
-    let flora = survey::flora(run, &rules, &sites, fitness, (covers, reached))?;
+    let mut flora = flora;
+    let tally = each_cell(run, &mut flora.covers, brushed, brush)?;
+    let flora = survey::again(run, (&rules, &offer, fitness), flora, brushed)?;
     Ok((flora, tally.painted(wanted.grid.cell_area_m2())))
 }
 
@@ -82,26 +80,28 @@ pub fn clear(
 ) -> Result<Flora, FloraError> {
     same_size(resources.soil.data.len(), share.data.len())?;
     let rules = super::rules(species, options)?;
-    let sites = super::sites(run, resources, options)?;
-    let Flora { mut covers, reached, .. } = flora;
-    each_cell(run, &mut covers, |cell, cover, _| {
-        let kept = 1.0 - if share.data[cell].is_nan() { 0.0 } else { share.data[cell].clamp(0.0, 1.0) };
+    let offer = super::offer(resources, options)?;
+    let worn = |cell: usize| share.data[cell] > 0.0;
+    let mut flora = flora;
+    each_cell(run, &mut flora.covers, worn, |cell, cover, _| {
+        let kept = 1.0 - share.data[cell].min(1.0);
         cover.iter_mut().for_each(|c| *c = (f32::from(*c) * kept) as u16);
     })?;
-    Ok(survey::flora(run, &rules, &sites, fitness, (covers, reached))?)
+    Ok(survey::again(run, (&rules, &offer, fitness), flora, worn)?)
 }
 
-/// Lets `edit` change the covers of every cell.
+/// Lets `edit` change the covers of the cells that are `touched`.
 fn each_cell(
     run: &Run,
     covers: &mut [Raster<u16>],
+    touched: impl Fn(usize) -> bool + Sync,
     edit: impl Fn(usize, &mut [u16], &mut Tally) + Sync,
 ) -> Result<Tally, Stopped> {
     let (species, cells) = (covers.len(), covers.first().map_or(0, |map| map.data.len()));
     let slabs = slabs::cut(covers.iter_mut().map(|map| map.data.as_mut_slice()), cells);
     let tallies = slabs::each(run, "plants.edit", slabs, |mut slab: Slab<u16>| {
         let (mut cover, mut tally) = (vec![0; species], Tally::default());
-        for (i, cell) in slab.cells.enumerate() {
+        for (i, cell) in slab.cells.enumerate().filter(|(_, cell)| touched(*cell)) {
             cover.iter_mut().zip(&slab.maps).for_each(|(c, map)| *c = map[i]);
             edit(cell, &mut cover, &mut tally);
             slab.maps.iter_mut().zip(&cover).for_each(|(map, c)| map[i] = *c);

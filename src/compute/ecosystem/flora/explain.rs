@@ -6,8 +6,11 @@ use crate::compute::ecosystem::flora::rule::Rule;
 use crate::compute::ecosystem::flora::sites::Sites;
 use crate::compute::ecosystem::flora::stand::Stand;
 use crate::compute::ecosystem::flora::survey;
+use crate::compute::ecosystem::slabs;
 use crate::compute::raster::Raster;
-use rayon::prelude::*;
+use crate::compute::run::Run;
+use crate::compute::run::Stopped;
+use std::ops::Range;
 
 /// Why a species grows nowhere: the first of these that holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,26 +66,40 @@ impl Crowded {
     }
 }
 
-/// Why `species`, which covers nothing, grows nowhere among `covers`.
-pub(super) fn absence(
-    rules: &[Rule],
-    sites: &Sites,
-    fitness: &Fitness,
-    (covers, species): (&[Raster<u16>], usize),
-) -> Absence {
-    let met = fitness.met[species];
-    if met.all == 0 {
-        return unmet(met);
-    }
-    let levels = &fitness.levels[species].data;
-    let count = |cell: usize| {
-        let mut cover = vec![0; rules.len()];
-        survey::gather(covers, cell, &mut cover);
-        obstacle(&Stand::new(rules, sites.at(cell), &mut cover), &rules[species], (species, sites.light.data[cell]))
+/// Why each of the `empty` species, which cover nothing, grows nowhere among `covers`.
+pub(super) fn absences(
+    run: &Run,
+    (rules, sites, fitness): (&[Rule], &Sites, &Fitness),
+    covers: &[Raster<u16>],
+    empty: &[usize],
+) -> Result<Vec<Absence>, Stopped> {
+    let suited: Vec<usize> = empty.iter().copied().filter(|species| fitness.met[*species].all > 0).collect();
+    let cells = if suited.is_empty() { 0 } else { sites.light.data.len() };
+    let slabs = (0..cells).step_by(slabs::SLAB).map(|first| first..(first + slabs::SLAB).min(cells)).collect();
+    let counts = slabs::each(run, "plants.absent", slabs, |slab: Range<usize>| {
+        let (mut cover, mut crowded) = (vec![0; rules.len()], vec![Crowded::default(); suited.len()]);
+        for cell in slab {
+            let lives = |species: &usize| fitness.levels[*species].data[cell] > 0;
+            if suited.iter().any(lives) {
+                survey::gather(covers, cell, &mut cover);
+                let stand = Stand::new(rules, sites.at(cell), &mut cover);
+                for (species, crowded) in suited.iter().zip(&mut crowded).filter(|(species, _)| lives(species)) {
+                    stand.count_obstacle(*species, sites.light.data[cell], crowded);
+                }
+            }
+        }
+        crowded
+    })?;
+    let crowded = |species: usize| {
+        let place = suited.iter().position(|s| *s == species);
+        place.map(|place| counts.iter().fold(Crowded::default(), |sum, slab| sum.with(slab[place])))
     };
-    let suited = (0..levels.len()).into_par_iter().filter(|cell| levels[*cell] > 0);
-    let crowded = suited.map(count).reduce(Crowded::default, Crowded::with);
-    if crowded.free > 0 { Absence::KeptOut } else { Absence::Outcompeted(crowded) }
+    let why = |species: usize| match crowded(species) {
+        None => unmet(fitness.met[species]),
+        Some(crowded) if crowded.free > 0 => Absence::KeptOut,
+        Some(crowded) => Absence::Outcompeted(crowded),
+    };
+    Ok(empty.iter().map(|species| why(*species)).collect())
 }
 
 fn unmet(met: Met) -> Absence {
@@ -98,15 +115,16 @@ fn unmet(met: Met) -> Absence {
     needs.into_iter().find(|(cells, _)| *cells == 0).map_or(Absence::NeverTogether(met), |(_, why)| why)
 }
 
-fn obstacle(stand: &Stand, rule: &Rule, (species, open): (usize, f32)) -> Crowded {
-    let mut one = Crowded::default();
-    let count = match () {
-        () if !(open >= rule.least_light) => &mut one.dark,
-        () if !stand.is_lit(species) => &mut one.shaded,
-        () if stand.room(species) == 0 => &mut one.full,
-        () if stand.units(species, 0) == 0 => &mut one.dry,
-        () => &mut one.free,
-    };
-    *count = 1;
-    one
+impl Stand<'_> {
+    /// Counts what stops a unit of a species here, in the `open` light of the cell.
+    fn count_obstacle(&self, species: usize, open: f32, crowded: &mut Crowded) {
+        let count = match () {
+            () if !(open >= self.least_light(species)) => &mut crowded.dark,
+            () if !self.is_lit(species) => &mut crowded.shaded,
+            () if self.room(species) == 0 => &mut crowded.full,
+            () if self.units(species, 0) == 0 => &mut crowded.dry,
+            () => &mut crowded.free,
+        };
+        *count += 1;
+    }
 }

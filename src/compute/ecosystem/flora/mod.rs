@@ -45,6 +45,7 @@ use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use rayon::prelude::*;
 use rule::Rule;
+use sites::Offer;
 use sites::Sites;
 
 /// Why plants could not be made to compete.
@@ -195,7 +196,7 @@ pub fn compete(
 ) -> Result<Flora, FloraError> {
     // 1. What each species asks for and what each cell offers.
     let rules = rules(species, options)?;
-    let sites = sites(run, resources, options)?;
+    let sites = Sites::new(run, &offer(resources, options)?)?;
     // 2. Who grows where.
     let (covers, reached) = match targets::shares(species)? {
         None => (fittest::compete(run, &rules, &sites, fitness, options.seed)?, None),
@@ -212,11 +213,11 @@ fn rules(species: &[PlantSpecies], options: &FloraOptions) -> Result<Vec<Rule>, 
     species.iter().map(|s| Rule::new(s, options.needs, &options.scales)).collect()
 }
 
-fn sites<'a>(run: &Run, resources: &Resources, options: &FloraOptions<'a>) -> Result<Sites<'a>, FloraError> {
+fn offer<'a>(resources: &'a Resources, options: &FloraOptions<'a>) -> Result<Offer<'a>, FloraError> {
     if let Some(bare) = options.bare {
         same_size(resources.soil.data.len(), bare.data.len())?;
     }
-    Ok(Sites::new(run, resources, (options.needs, options.scales.illumination), options.bare)?)
+    Ok(Offer::new(resources, (options.needs, options.scales.illumination), options.bare))
 }
 
 fn same_size(expected: usize, found: usize) -> Result<(), FloraError> {

@@ -72,5 +72,5 @@ pub(super) fn share(cover: u16) -> f32 {
 
 /// The cover nearest to a share of the cell.
 pub(super) fn cover(share: f32) -> u16 {
-    (share.clamp(0.0, 1.0) * f32::from(FULL_COVER)).round() as u16
+    (f64::from(share.clamp(0.0, 1.0) * f32::from(FULL_COVER)) + 0.5) as u16
 }

@@ -18,6 +18,7 @@ use crate::compute::ecosystem::resources::MONTHS;
 use crate::compute::ecosystem::resources::MonthlyMap;
 use crate::compute::ecosystem::resources::Resources;
 use crate::compute::ecosystem::scales::Scale;
+use crate::compute::ecosystem::slabs;
 use crate::compute::ecosystem::species::Interval;
 use crate::compute::raster::Raster;
 use crate::compute::run::Run;
@@ -30,7 +31,74 @@ const GROWTH_C: f32 = 5.0;
 /// Temperatures at which plants grow, °C.
 const GROWS: Interval = Interval::new(GROWTH_C as f64, f64::MAX);
 
-/// The **capacity** of every cell for light and moisture, and the part of it kept bare.
+/// What the resources offer a cell before anything grows there: its **capacity** for light and
+/// moisture, and the part of it kept bare.
+pub(super) struct Offer<'a> {
+    resources: &'a Resources,
+    needs: Needs,
+    illumination: Scale,
+    bare: Option<&'a Raster<f32>>,
+}
+
+impl<'a> Offer<'a> {
+    pub(super) fn new(
+        resources: &'a Resources,
+        (needs, illumination): (Needs, Scale),
+        bare: Option<&'a Raster<f32>>,
+    ) -> Self {
+        Self { resources, needs, illumination, bare }
+    }
+
+    pub(super) fn at(&self, cell: usize) -> Site<'_> {
+        let (light, usable) = self.light(cell);
+        Site {
+            light,
+            light_drawn: self.needs.illumination.then_some((usable, &self.illumination)),
+            moisture: self.moisture(cell),
+            room: room(self.bare, cell),
+        }
+    }
+
+    /// The mean light of the growing season, and the mean over the year of the light that falls
+    /// while it is warm enough to grow; all light where temperature does not count. NaN where light
+    /// has no data, the first also where temperature has none.
+    fn light(&self, cell: usize) -> (f32, f32) {
+        let resources = self.resources;
+        let (mut sum, mut months, mut warmest) = (0.0, 0.0, (f32::NEG_INFINITY, f32::NAN));
+        let mut year = 0.0;
+        for month in 0..MONTHS {
+            let (mean_c, light) = (mean_c(resources, month, cell), resources.sunlight.value(month, cell));
+            if mean_c >= GROWTH_C {
+                (sum, months) = (sum + light, months + 1.0);
+            }
+            if mean_c > warmest.0 {
+                warmest = (mean_c, light);
+            }
+            year += self.warm(month, cell) * light;
+        }
+        (if months > 0.0 { sum / months } else { warmest.1 }, year / MONTHS as f32)
+    }
+
+    /// The part of a month's temperatures at which plants grow.
+    fn warm(&self, month: usize, cell: usize) -> f32 {
+        if !self.needs.temperature {
+            return 1.0;
+        }
+        let (coldest, warmest) = (&self.resources.temperature_min_c, &self.resources.temperature_max_c);
+        let (low, high) = (coldest.value(month, cell), warmest.value(month, cell));
+        share_in_range(GROWS, f64::from(low), f64::from(high)) as f32
+    }
+
+    /// The mean moisture of the year.
+    fn moisture(&self, cell: usize) -> f32 {
+        match &self.resources.moisture {
+            MonthlyMap::Shifted { base, offset } => base.data[cell] + offset.iter().sum::<f32>() / MONTHS as f32,
+            MonthlyMap::Maps(maps) => maps.iter().map(|m| m.data[cell]).sum::<f32>() / MONTHS as f32,
+        }
+    }
+}
+
+/// What each cell offers, worked out once for all of them.
 pub(super) struct Sites<'a> {
     /// Physical light fraction, mean of the growing season.
     pub light: Raster<f32>,
@@ -43,19 +111,21 @@ pub(super) struct Sites<'a> {
 }
 
 impl<'a> Sites<'a> {
-    pub(super) fn new(
-        run: &Run,
-        resources: &Resources,
-        (needs, illumination): (Needs, Scale),
-        bare: Option<&'a Raster<f32>>,
-    ) -> Result<Self, Stopped> {
-        let light = growing_season_light(resources);
-        run.check()?;
-        let light_drawn = needs.illumination.then(|| (usable_light(resources, needs), illumination));
-        run.check()?;
-        let moisture = yearly_mean(&resources.moisture);
-        run.check()?;
-        Ok(Self { light, light_drawn, moisture, bare })
+    pub(super) fn new(run: &Run, offer: &Offer<'a>) -> Result<Self, Stopped> {
+        let grid = offer.resources.soil.grid;
+        let [mut light, mut usable, mut moisture] = [0, 1, 2].map(|_| Raster::filled(grid, 0.0_f32));
+        let maps = [&mut light, &mut usable, &mut moisture].map(|map| map.data.as_mut_slice());
+        slabs::cut(maps, grid.len()).into_par_iter().try_for_each(|slab| {
+            run.check()?;
+            let Ok([light, usable, moisture]) = <[&mut [f32]; 3]>::try_from(slab.maps) else { return Ok(()) };
+            for (i, cell) in slab.cells.enumerate() {
+                (light[i], usable[i]) = offer.light(cell);
+                moisture[i] = offer.moisture(cell);
+            }
+            Ok(())
+        })?;
+        let light_drawn = offer.needs.illumination.then_some((usable, offer.illumination));
+        Ok(Self { light, light_drawn, moisture, bare: offer.bare })
     }
 
     pub(super) fn at(&self, cell: usize) -> Site<'_> {
@@ -63,63 +133,13 @@ impl<'a> Sites<'a> {
             light: self.light.data[cell],
             light_drawn: self.light_drawn.as_ref().map(|(light, scale)| (light.data[cell], scale)),
             moisture: self.moisture.data[cell],
-            room: self.room(cell),
+            room: room(self.bare, cell),
         }
-    }
-
-    fn room(&self, cell: usize) -> u16 {
-        let bare = self.bare.map_or(0.0, |map| map.data[cell]);
-        if bare.is_nan() { FULL_COVER } else { FULL_COVER - rule::cover(bare) }
     }
 }
 
-/// The mean light of the growing season of every cell; NaN where light or temperature has no data.
-fn growing_season_light(resources: &Resources) -> Raster<f32> {
-    let grid = resources.soil.grid;
-    let light = |cell: usize| {
-        let (mut sum, mut months, mut warmest) = (0.0, 0.0, (f32::NEG_INFINITY, f32::NAN));
-        for month in 0..MONTHS {
-            let (mean_c, light) = (mean_c(resources, month, cell), resources.sunlight.value(month, cell));
-            if mean_c >= GROWTH_C {
-                (sum, months) = (sum + light, months + 1.0);
-            }
-            if mean_c > warmest.0 {
-                warmest = (mean_c, light);
-            }
-        }
-        if months > 0.0 { sum / months } else { warmest.1 }
-    };
-    Raster { grid, data: (0..grid.len()).into_par_iter().map(light).collect() }
-}
-
-/// The mean over the year of the light that falls while it is warm enough to grow; all light where
-/// temperature does not count. NaN where light has no data.
-fn usable_light(resources: &Resources, needs: Needs) -> Raster<f32> {
-    if !needs.temperature {
-        return yearly_mean(&resources.sunlight);
-    }
-    let grid = resources.soil.grid;
-    let warm = |month: usize, cell: usize| {
-        let (coldest, warmest) = (&resources.temperature_min_c, &resources.temperature_max_c);
-        let (low, high) = (coldest.value(month, cell), warmest.value(month, cell));
-        share_in_range(GROWS, f64::from(low), f64::from(high)) as f32
-    };
-    let year = |cell: usize| {
-        (0..MONTHS).map(|m| warm(m, cell) * resources.sunlight.value(m, cell)).sum::<f32>() / MONTHS as f32
-    };
-    Raster { grid, data: (0..grid.len()).into_par_iter().map(year).collect() }
-}
-
-/// The mean of the twelve months of every cell.
-fn yearly_mean(map: &MonthlyMap) -> Raster<f32> {
-    match map {
-        MonthlyMap::Shifted { base, offset } => {
-            let mean = offset.iter().sum::<f32>() / MONTHS as f32;
-            Raster { grid: base.grid, data: base.data.par_iter().map(|v| v + mean).collect() }
-        }
-        MonthlyMap::Maps(maps) => {
-            let mean = |cell| maps.iter().map(|m| m.data[cell]).sum::<f32>() / MONTHS as f32;
-            Raster { grid: maps[0].grid, data: (0..maps[0].data.len()).into_par_iter().map(mean).collect() }
-        }
-    }
+/// Cover that each stratum of a cell has room for.
+fn room(bare: Option<&Raster<f32>>, cell: usize) -> u16 {
+    let bare = bare.map_or(0.0, |map| map.data[cell]);
+    if bare.is_nan() { FULL_COVER } else { FULL_COVER - rule::cover(bare) }
 }

@@ -83,10 +83,14 @@ impl<'a> Stand<'a> {
         moisture_scale_units(self.capacity.saturating_sub(self.drawn))
     }
 
+    /// The physical light fraction below which a unit of a species dies.
+    pub(super) fn least_light(&self, species: usize) -> f32 {
+        self.rules[species].least_light
+    }
+
     /// Whether a species would have the light it needs.
     pub(super) fn is_lit(&self, species: usize) -> bool {
-        let rule = &self.rules[species];
-        self.light(rule.stratum) >= rule.least_light
+        self.light(self.rules[species].stratum) >= self.least_light(species)
     }
 
     /// The room left in the stratum of a species: on the ground, and of the light.
