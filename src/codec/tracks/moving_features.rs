@@ -89,8 +89,8 @@ fn crs(georeference: &Georeference) -> String {
 /// A moment in milliseconds. What the calendar cannot hold stands at its last day.
 fn timestamp(seconds: f64) -> String {
     let millis = (seconds.clamp(-9e11, 9e11) * 1000.0).round() as i128 + i128::from(EPOCH_S) * 1000;
-    let moment = OffsetDateTime::from_unix_timestamp_nanos(millis * 1_000_000)
-        .unwrap_or(PrimitiveDateTime::MAX.assume_utc());
+    let moment =
+        OffsetDateTime::from_unix_timestamp_nanos(millis * 1_000_000).unwrap_or(PrimitiveDateTime::MAX.assume_utc());
     let (date, (hour, minute, second, millis)) = (moment.date(), moment.time().as_hms_milli());
     format!("{date}T{hour:02}:{minute:02}:{second:02}.{millis:03}Z")
 }

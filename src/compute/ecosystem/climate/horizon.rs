@@ -13,6 +13,7 @@ use crate::compute::run::Run;
 use crate::compute::run::Stopped;
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Steps of the codes for horizon angles.
 pub const CODES: usize = 256;
@@ -56,10 +57,10 @@ pub fn horizons(height: &Raster<f32>, directions: usize, run: &Run) -> Result<Ho
             // In steps east and south.
             let (east, south) = (libm::cos(azimuth), -libm::sin(azimuth));
             if east.abs() >= south.abs() {
-                return Sweep::new(&height.data, grid.width, (east, south), grid.cell_m).codes(run);
+                let codes = Sweep::new(&lying, grid.height, (east, south), grid.cell_m).codes(run)?;
+                return Ok(transposed(&codes, grid.height));
             }
-            let codes = Sweep::new(&lying, grid.height, (south, east), grid.cell_m).codes(run)?;
-            Ok(transposed(&codes, grid.height))
+            Sweep::new(&height.data, grid.width, (south, east), grid.cell_m).codes(run)
         })
         .collect();
     Ok(Horizons { grid, codes: codes? })
@@ -83,71 +84,90 @@ fn transposed<T: Copy + Default>(data: &[T], width: usize) -> Vec<T> {
     turned
 }
 
-/// Parallel lines over a map that advance one column a step, looking back.
+/// Lines that march side by side: the cells they pass at a step lie next to each other in memory.
+const LINES: usize = 16;
+
+/// Parallel lines over a map that advance one row of it a step, looking back.
 struct Sweep<'a> {
     data: &'a [f32],
     width: usize,
-    height: usize,
-    /// Row of the line through row 0 of column 0, at each column: the whole part …
+    /// Column of the line through column 0 of row 0, at each row: the whole part …
     whole: Vec<isize>,
     /// … and what is left, −½..=½.
     rest: Vec<f32>,
-    /// Columns in the order of the march: away from the direction looked to.
+    /// Rows in the order of the march: away from the direction looked to.
     backwards: bool,
     /// One over the length of a step, 1/m.
     per_metre: f32,
 }
 
+/// The upper hulls of the ground that [`LINES`] lines have passed, as (steps, height).
+type Hulls = [Vec<(f32, f32)>; LINES];
+
 impl<'a> Sweep<'a> {
-    /// Looks to (`along`, `across`) in steps to the next column and row, |along| ≥ |across|.
+    /// Looks to (`along`, `across`) in steps to the next row and column, |along| ≥ |across|.
     fn new(data: &'a [f32], width: usize, (along, across): (f64, f64), cell_m: f64) -> Self {
         let grade = across / along;
-        let rows = (0..width).map(|column| grade * column as f64);
+        let columns = (0..data.len() / width).map(|row| grade * row as f64);
         Self {
             data,
             width,
-            height: data.len() / width,
-            whole: rows.clone().map(|y| y.round() as isize).collect(),
-            rest: rows.map(|y| (y - y.round()) as f32).collect(),
+            whole: columns.clone().map(|x| x.round() as isize).collect(),
+            rest: columns.map(|x| (x - x.round()) as f32).collect(),
             backwards: along > 0.0,
             per_metre: (1.0 / (cell_m * libm::hypot(1.0, grade))) as f32,
         }
     }
 
-    /// The code of every cell. Line `k` passes through the cells (column, k + whole[column]), so
-    /// each cell lies on one line.
+    /// The code of every cell. Line `k` passes through the cells (row, k + whole[row]), so each
+    /// cell lies on one line.
     fn codes(&self, run: &Run) -> Result<Vec<u8>, Stopped> {
         let mut codes = vec![0; self.data.len()];
-        let last = self.whole[self.width - 1];
-        let mut hull = Vec::new();
-        for line in -last.max(0)..self.height as isize - last.min(0) {
+        let last = self.whole[self.whole.len() - 1];
+        let mut hulls = Hulls::default();
+        for line in (-last.max(0)..self.width as isize - last.min(0)).step_by(LINES) {
             run.check()?;
-            hull.clear();
-            for step in 0..self.width {
-                let column = if self.backwards { self.width - 1 - step } else { step };
-                let row = line + self.whole[column];
-                if row >= 0 && row < self.height as isize {
-                    let cell = row as usize * self.width + column;
-                    codes[cell] =
-                        code(rise(&mut hull, step as f32, self.ground(cell, self.rest[column])) * self.per_metre);
-                }
-            }
+            hulls.iter_mut().for_each(Vec::clear);
+            self.march(line, &mut hulls, &mut codes);
         }
         Ok(codes)
     }
 
-    /// Height of the line where it passes nearest to the centre of `cell`.
-    fn ground(&self, cell: usize, rest: f32) -> f32 {
-        let here = self.data[cell];
-        let beside = if rest > 0.0 {
-            self.data.get(cell + self.width)
-        } else {
-            cell.checked_sub(self.width).map(|c| &self.data[c])
-        };
-        match beside {
-            Some(beside) if !beside.is_nan() => here + rest.abs() * (beside - here),
-            _ => here,
+    /// Marches with the lines from `line` on.
+    fn march(&self, line: isize, hulls: &mut Hulls, codes: &mut [u8]) {
+        let rows = self.whole.len();
+        for step in 0..rows {
+            let row = if self.backwards { rows - 1 - step } else { step };
+            let first = line + self.whole[row];
+            let (left, right) = (first.max(0), (first + LINES as isize).min(self.width as isize));
+            if left >= right {
+                continue;
+            }
+            let (near, columns) = ((left - first) as usize, left as usize..right as usize);
+            let mut seen = self.ground(row, columns.clone());
+            for (z, hull) in seen[..columns.len()].iter_mut().zip(&mut hulls[near..]) {
+                *z = rise(hull, step as f32, *z);
+            }
+            let start = row * self.width;
+            let cells = &mut codes[start + columns.start..start + columns.end];
+            cells.iter_mut().zip(seen).for_each(|(cell, seen)| *cell = code(seen * self.per_metre));
         }
+    }
+
+    /// Height of the lines where they pass nearest to the centres of these cells of a row, at most
+    /// [`LINES`].
+    fn ground(&self, row: usize, columns: Range<usize>) -> [f32; LINES] {
+        let (cells, rest) = (&self.data[row * self.width..][..self.width], self.rest[row]);
+        let mut ground = [0.0; LINES];
+        for (ground, column) in ground.iter_mut().zip(columns) {
+            let here = cells[column];
+            let beside = if rest > 0.0 { column + 1 } else { column.wrapping_sub(1) };
+            *ground = match cells.get(beside) {
+                Some(beside) if !beside.is_nan() => here + rest.abs() * (beside - here),
+                _ => here,
+            };
+        }
+        ground
     }
 }
 
