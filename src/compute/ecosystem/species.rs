@@ -22,11 +22,6 @@ impl Interval {
     pub fn contains(&self, value: f64) -> bool {
         (self.min..=self.max).contains(&value)
     }
-
-    /// The middle.
-    pub fn mid(&self) -> f64 {
-        0.5 * (self.min + self.max)
-    }
 }
 
 /// The **fitness range** of a plant for one resource and what it consumes, on the scale 1–9.

@@ -43,11 +43,6 @@ impl Curve {
     pub fn rms_error(&self, other: &Self) -> f64 {
         rms(&self.mean, &other.mean)
     }
-
-    /// Σ_r (curve − target)²/target with a floor on the denominator (T eq. 4.3).
-    pub fn relative_error(&self, target: &Self) -> f64 {
-        relative_squares(&self.mean, &target.mean)
-    }
 }
 
 /// Root mean square difference.

@@ -51,10 +51,4 @@ impl Climate {
     /// The mean lapse rate of the atmosphere, 0.65 °C per 100 m (ICAO standard atmosphere). The
     /// authors' sample uses 1 °C per 100 m, the dry rate.
     pub const LAPSE_C_PER_M: f64 = 0.0065;
-
-    /// Temperature of the coldest month's mean daily minimum at height `height_m`, °C.
-    pub fn coldest_minimum_c(&self, height_m: f64) -> f64 {
-        let lowest = self.months.iter().map(|m| m.temperature_mean_c - m.temperature_half_range_c);
-        lowest.fold(f64::INFINITY, f64::min) - self.lapse_c_per_m * (height_m - self.reference_height_m)
-    }
 }
