@@ -46,7 +46,7 @@ impl Process for HerdAnimation {
             title: "Herd animation",
             text: "Lets a herd walk over a terrain through key-frames, each with a key-herd or only a place, round \
                    obstacles, and gives the track of every animal.",
-            version: "1",
+            version: "2",
             keywords: &["herd", "animation", "tracks", "crowd simulation", "steering"],
             control: ASYNC,
             inputs: inputs_schema::<HerdAnimationInputs>(),

@@ -2,7 +2,7 @@
 
 use super::AnimationOptions;
 use super::guides::Guides;
-use super::guides::HerdFrame;
+use super::guides::Posture;
 use super::guides::Progress;
 use super::motion::Gait;
 use super::motion::Mover;
@@ -44,7 +44,7 @@ pub(super) struct Scene<'a> {
     pub prints: Vec<Footprint>,
     /// The animals by place.
     pub grid: CellGrid,
-    frame: HerdFrame,
+    posture: Posture<'a>,
     /// Whether the formation ahead is nearer than the one behind, and how much it counts.
     key: (bool, f64),
     step_s: f64,
@@ -90,10 +90,15 @@ pub(super) struct Chooser<'a> {
 
 impl Chooser<'_> {
     /// The scene while the herd frame goes from one place on its way to the next.
-    pub(super) fn scene<'m>(&self, movers: &'m [Mover], (before, now): (Progress, Progress), step_s: f64) -> Scene<'m> {
-        let (old, frame) = (self.guides.frame_at(before), self.guides.frame_at(now));
-        let guides: Vec<Point> = (0..self.guides.len()).map(|i| self.guides.place(frame, now, i)).collect();
-        let velocity = |(i, g): (usize, &Point)| (*g - self.guides.place(old, before, i)) * (1.0 / step_s);
+    pub(super) fn scene<'m>(
+        &'m self,
+        movers: &'m [Mover],
+        (before, now): (Progress, Progress),
+        step_s: f64,
+    ) -> Scene<'m> {
+        let (old, posture) = (self.guides.posture(before), self.guides.posture(now));
+        let guides: Vec<Point> = (0..self.guides.len()).map(|i| posture.place(i)).collect();
+        let velocity = |(i, g): (usize, &Point)| (*g - old.place(i)) * (1.0 / step_s);
         let places: Vec<Point> = movers.iter().map(|m| m.place).collect();
         Scene {
             progress: now,
@@ -103,7 +108,7 @@ impl Chooser<'_> {
             velocities: movers.iter().map(Mover::velocity).collect(),
             prints: movers.iter().zip(&self.guides.bodies).map(|(m, b)| traffic::footprint(m, *b)).collect(),
             grid: CellGrid::new(&places, self.neighbourhood() / 2.0),
-            frame,
+            posture,
             key: self.guides.key_weight(now, self.options.gait.blend_body_lengths * 2.0 * self.longest),
             step_s,
         }
@@ -140,7 +145,7 @@ impl Chooser<'_> {
         let rests = is_at_rest(mover, off, guide_speed, (body.0, gait.max_speed_m_per_s));
         let velocity = if rests { Point::default() } else { sum * (limit / sum.norm().max(limit)) };
         let (ahead, key_weight) = scene.key;
-        let key_heading = self.guides.key_heading(scene.frame, scene.progress.interval, (i, ahead)).angle();
+        let key_heading = scene.posture.heading(i, ahead).angle();
         // Without room in front it can still turn.
         let wish = Wish { velocity, key_heading, key_weight, limit: limit.min(company.room_ahead()) };
         let step = |wish| self.admitted(mover, mover.stepped(wish, gait, scene.step_s), (body.1, scene.step_s));

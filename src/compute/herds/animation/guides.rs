@@ -7,9 +7,11 @@ use super::Trajectory;
 use super::frames;
 use super::frames::KeyFrame;
 use super::pairing::pair;
+use crate::compute::geometry::CellGrid;
 use crate::compute::geometry::Ellipse;
 use crate::compute::geometry::Point;
 use crate::compute::herds::contact;
+use crate::compute::herds::contact::Footprint;
 use crate::compute::run::Run;
 
 /// A place on the way: an interval between key-frames and the share of it that is behind.
@@ -48,6 +50,51 @@ struct Formation {
     headings: Vec<Point>,
     /// How deep animals overlap in it, in metres.
     depth: f64,
+    /// How many times larger it would have to be for animals to pass each other.
+    spread: f64,
+}
+
+/// Where all guides are at a moment.
+#[derive(Clone, Copy)]
+pub(super) struct Posture<'a> {
+    frame: HerdFrame,
+    from: &'a Formation,
+    to: &'a Formation,
+    /// From 0 at the formation behind to 1 at the one ahead.
+    weight: f64,
+    /// How many times larger than the formations it is.
+    spread: f64,
+}
+
+impl Posture<'_> {
+    /// Where the guide of `animal` is, in metres.
+    pub(super) fn place(&self, animal: usize) -> Point {
+        self.frame.to_world(self.from.places[animal].lerp(self.to.places[animal], self.weight) * self.spread)
+    }
+
+    /// The heading of `animal` in the formation that lies behind (`false`) or ahead (`true`).
+    pub(super) fn heading(&self, animal: usize, ahead: bool) -> Point {
+        let local = if ahead { self.to } else { self.from }.headings[animal];
+        self.frame.to_world(local) - self.frame.origin
+    }
+}
+
+/// How far a crowd has opened out, from 0 to 1, at a share of the way between two key-herds. It
+/// closes ever faster along the way, and so ever slower in time (see [`Guides::rest`]).
+fn opening(way: f64) -> f64 {
+    smooth(way / OPENED_BY) * still_open(way)
+}
+
+/// From 1 until [`CLOSES_FROM`] to 0 at the key-herd ahead.
+fn still_open(way: f64) -> f64 {
+    let closed = 1.0 - ((1.0 - way) / (1.0 - CLOSES_FROM)).clamp(0.0, 1.0);
+    1.0 - closed * closed * closed
+}
+
+/// From 0 to 1 without a jerk.
+fn smooth(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
 
 /// What lies between two key-frames.
@@ -61,9 +108,22 @@ struct Interval {
     herds: (bool, bool),
 }
 
-/// Before a key-herd the formation is complete at this share of the interval (ours): animals that
-/// cannot go sideways make up what they lack across the path while they still walk along it.
-const MORPHED_BY: f64 = 0.8;
+/// The formation ahead is complete at this share of the way between two key-herds (ours): animals
+/// that cannot go sideways make up what they lack across the path while they still walk along it.
+const MORPHED_BY: f64 = 0.7;
+
+/// A crowd opens out until nearest neighbours are this many times as far apart as they would
+/// touch, so that they can pass each other; at most to so many times its size (ours).
+const ROOM_TO_PASS: f64 = 1.9;
+const MAX_SPREAD: f64 = 1.7;
+
+/// Shares of the way between two key-herds at which a crowd has opened out and begins to close
+/// (ours).
+const OPENED_BY: f64 = 0.2;
+const CLOSES_FROM: f64 = 0.6;
+
+/// To close a crowd takes as much time, if there is any to spare, as this share of the way (ours).
+const CLOSING: f64 = 0.3;
 
 /// All guides of an animation.
 pub(super) struct Guides<'a> {
@@ -131,34 +191,30 @@ impl<'a> Guides<'a> {
         HerdFrame { origin: self.trajectory.at(s), along: self.trajectory.heading(s) }
     }
 
-    /// Where the herd frame is.
-    pub(super) fn frame_at(&self, progress: Progress) -> HerdFrame {
-        self.frame(self.arc_length(progress))
-    }
-
     fn arc_length(&self, progress: Progress) -> f64 {
         let (from, to) = (self.trajectory.key(progress.interval), self.trajectory.key(progress.interval + 1));
         from + (to - from) * progress.share
     }
 
-    fn blend(&self, progress: Progress) -> (&Formation, &Formation, f64) {
-        let interval = self.intervals[progress.interval];
-        let (w0, w1) = interval.weights;
-        let morphed = if interval.herds.1 { (progress.share / MORPHED_BY).min(1.0) } else { progress.share };
-        (&self.formations[interval.from], &self.formations[interval.to], w0 + (w1 - w0) * morphed)
+    /// The share of the way between the key-herds behind and ahead; 0 where there are not both.
+    fn way(&self, progress: Progress) -> f64 {
+        let (w0, w1) = self.intervals[progress.interval].weights;
+        w0 + (w1 - w0) * progress.share
     }
 
-    /// Where the guide of `animal` is, in metres.
-    pub(super) fn place(&self, frame: HerdFrame, progress: Progress, animal: usize) -> Point {
-        let (from, to, weight) = self.blend(progress);
-        frame.to_world(from.places[animal].lerp(to.places[animal], weight))
+    /// All guides while the herd frame is at `progress`.
+    pub(super) fn posture(&self, progress: Progress) -> Posture<'_> {
+        let straight = self.straight(progress);
+        let most = straight.from.spread.max(straight.to.spread);
+        Posture { spread: 1.0 + (most - 1.0) * opening(self.way(progress)), ..straight }
     }
 
-    /// The heading of `animal` in the formation that lies behind (`false`) or ahead (`true`).
-    pub(super) fn key_heading(&self, frame: HerdFrame, interval: usize, (animal, ahead): (usize, bool)) -> Point {
-        let i = self.intervals[interval];
-        let local = self.formations[if ahead { i.to } else { i.from }].headings[animal];
-        frame.to_world(local) - frame.origin
+    /// Likewise, of a herd that does not open out on the way: the least way there is.
+    pub(super) fn straight(&self, progress: Progress) -> Posture<'_> {
+        let Interval { from, to, .. } = self.intervals[progress.interval];
+        let (from, to) = (&self.formations[from], &self.formations[to]);
+        let weight = (self.way(progress) / MORPHED_BY).min(1.0);
+        Posture { frame: self.frame(self.arc_length(progress)), from, to, weight, spread: 1.0 }
     }
 
     /// Whether the key-herd ahead is nearer than the one behind, and how much its headings count:
@@ -170,13 +226,23 @@ impl<'a> Guides<'a> {
         let end = Progress { share: 1.0, ..progress };
         let length = self.arc_length(end) - self.arc_length(start);
         // In an interval without length headings count throughout.
-        let weight = |share: f64| {
-            let t = (1.0 - share * length / reach_m.max(1e-9)).clamp(0.0, 1.0);
-            t * t * (3.0 - 2.0 * t)
-        };
+        let weight = |share: f64| smooth(1.0 - share * length / reach_m.max(1e-9));
         let from = if behind { weight(progress.share) } else { 0.0 };
         let to = if ahead { weight(1.0 - progress.share) } else { 0.0 };
         (to >= from, to.max(from))
+    }
+
+    /// What is left of an interval, as shares of it, and by how much it falls while the share
+    /// rises by one: to close a crowd counts extra, so that it has more of the time.
+    pub(super) fn rest(&self, progress: Progress) -> (f64, f64) {
+        const PROBE: f64 = 1e-3;
+        let Interval { from, to, weights: (w0, w1), .. } = self.intervals[progress.interval];
+        let crowded = self.formations[from].spread.max(self.formations[to].spread) > 1.0;
+        let extra = if crowded && from != to { CLOSING } else { 0.0 };
+        let open = |share: f64| still_open(w0 + (w1 - w0) * share) - still_open(w1);
+        let left = |share: f64| 1.0 - share + extra * open(share);
+        let share = progress.share.min(1.0 - PROBE);
+        (left(progress.share), (left(share) - left(share + PROBE)) / PROBE)
     }
 
     /// How deep animals overlap in the key-herds on either side of an interval, in metres.
@@ -210,6 +276,7 @@ impl Formation {
             places: herd.iter().map(|e| frame.to_local(e.centre)).collect(),
             headings: herd.iter().map(|e| frame.to_local(frame.origin + e.heading())).collect(),
             depth: contact::deepest(herd),
+            spread: (ROOM_TO_PASS / room(herd)).clamp(1.0, MAX_SPREAD),
         }
     }
 
@@ -218,6 +285,28 @@ impl Formation {
             places: order.iter().map(|i| self.places[*i]).collect(),
             headings: order.iter().map(|i| self.headings[*i]).collect(),
             depth: self.depth,
+            spread: self.spread,
         }
     }
+}
+
+/// How far the nearest neighbour of an animal is, in times the distance at which they would touch:
+/// the mean over the herd, counted up to [`ROOM_TO_PASS`].
+fn room(herd: &[Ellipse]) -> f64 {
+    let prints: Vec<Footprint> = herd.iter().map(Footprint::new).collect();
+    let centres: Vec<Point> = herd.iter().map(|e| e.centre).collect();
+    let reach = 2.0 * ROOM_TO_PASS * herd.iter().map(|e| e.a).fold(0.0, f64::max);
+    let near = CellGrid::new(&centres, 0.5 * reach);
+    let of = |i: usize| {
+        let mut least = ROOM_TO_PASS;
+        near.for_each_near(centres[i], reach, |j| {
+            let offset = centres[j] - centres[i];
+            if let (true, Some(u)) = (j != i, offset.normalised()) {
+                least = least.min(offset.norm() / (prints[i].support(u) + prints[j].support(u)));
+            }
+        });
+        least
+    };
+    let sum: f64 = (0..herd.len()).map(of).sum();
+    (sum / herd.len().max(1) as f64).max(1.0 / MAX_SPREAD)
 }

@@ -6,7 +6,7 @@ use super::Trajectory;
 use super::choice::Chooser;
 use super::choice::Move;
 use super::guides::Guides;
-use super::guides::HerdFrame;
+use super::guides::Posture;
 use super::guides::Progress;
 use super::motion::Gait;
 use super::motion::Mover;
@@ -42,7 +42,7 @@ const PATIENCE_S: f64 = 8.0;
 const UNHURRIED: f64 = 0.7;
 
 /// Seconds that any herd is given to settle at a key-herd, and the most of the interval (ours).
-const SETTLING_S: f64 = 10.0;
+const SETTLING_S: f64 = 4.0;
 const SETTLING_SHARE: f64 = 0.2;
 
 /// Overlap allowed everywhere, as a share of a body's width.
@@ -80,10 +80,8 @@ impl<'a> Simulation<'a> {
         options: &'a AnimationOptions,
     ) -> Self {
         let progress = Progress { interval: 0, share: 0.0 };
-        let frame = guides.frame_at(progress);
-        let movers = (0..guides.len()).map(|i| {
-            Mover::standing(guides.place(frame, progress, i), guides.key_heading(frame, 0, (i, false)).angle())
-        });
+        let first = guides.posture(progress);
+        let movers = (0..guides.len()).map(|i| Mover::standing(first.place(i), first.heading(i, false).angle()));
         let longest = guides.bodies.iter().map(|b| b.0).fold(0.0, f64::max);
         Self {
             chooser: Chooser { ground, guides, options, longest },
@@ -189,7 +187,8 @@ impl<'a> Simulation<'a> {
         // At a key-herd the frame brakes and the herd settles: it leaves that much earlier.
         let settles = self.guides.ends_in_herd(self.progress.interval);
         let spare_s = if settles { self.settling_s() + BRAKE_S * (0.5 * self.pace + 1.0) } else { 0.0 };
-        let wanted = rest / (left_s - spare_s).max(step_s);
+        let (whole, fall) = self.guides.rest(self.progress);
+        let wanted = whole / fall / (left_s - spare_s).max(step_s);
         let braking = if settles { (2.0 * rest * top / BRAKE_S).sqrt() } else { f64::INFINITY };
         // Nobody is waited for when that would make all late.
         let haste = ((wanted / top - UNHURRIED) / (1.0 - UNHURRIED)).clamp(0.0, 1.0);
@@ -204,21 +203,19 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Seconds that the herd is given to settle at a key-herd: enough for one at the rim to catch
-    /// up, but no more than a share of the interval.
+    /// Seconds that the herd is given to settle at a key-herd.
     fn settling_s(&self) -> f64 {
-        let across_s = self.trajectory.reach() / self.options.gait.max_speed_m_per_s;
-        (SETTLING_S + across_s).min(SETTLING_SHARE * self.given_s)
+        SETTLING_S.min(SETTLING_SHARE * self.given_s)
     }
 
     /// How freely the herd frame may go: 1 while all are near their guides, 0 when one that is
     /// waited for is two straggler's distances behind.
     fn waiting(&mut self, step_s: f64) -> f64 {
-        let frame = self.guides.frame_at(self.progress);
+        let guides = self.guides.posture(self.progress);
         let far = STRAGGLER_BODY_LENGTHS * 2.0 * self.longest;
         let mut worst = 0f64;
         for (i, mover) in self.movers.iter().enumerate() {
-            let lag = mover.place.distance(self.guides.place(frame, self.progress, i)) / far;
+            let lag = mover.place.distance(guides.place(i)) / far;
             self.straggling[i] = if lag > 1.0 { self.straggling[i] + step_s } else { 0.0 };
             if self.straggling[i] < PATIENCE_S {
                 worst = worst.max(lag);
@@ -233,11 +230,8 @@ impl<'a> Simulation<'a> {
         let Progress { interval, share } = self.progress;
         let from = Progress { interval, share: share.min(1.0 - PROBE) };
         let to = Progress { interval, share: from.share + PROBE };
-        let (frame, ahead) = (self.guides.frame_at(from), self.guides.frame_at(to));
-        let seconds = |i: usize| {
-            let (p, q) = (self.guides.place(frame, from, i), self.guides.place(ahead, to, i));
-            self.seconds_between(p, q)
-        };
+        let (here, ahead) = (self.guides.posture(from), self.guides.posture(to));
+        let seconds = |i: usize| self.seconds_between(here.place(i), ahead.place(i));
         let slowest = (0..self.guides.len()).into_par_iter().with_min_len(CHUNK).map(seconds).max_by(f64::total_cmp);
         // No guide moves: any rate will do.
         CRUISE * PROBE / slowest.unwrap_or(0.0).max(1e-6 * PROBE)
@@ -252,9 +246,8 @@ impl<'a> Simulation<'a> {
 
     /// How the key-frame at the end of `interval` was met.
     fn arrival(&self, interval: usize, time_s: f64) -> Arrival {
-        let end = Progress { interval, share: 1.0 };
-        let frame = self.guides.frame_at(end);
-        let places: Vec<Point> = (0..self.guides.len()).map(|i| self.guides.place(frame, end, i)).collect();
+        let end = self.guides.posture(Progress { interval, share: 1.0 });
+        let places: Vec<Point> = (0..self.guides.len()).map(|i| end.place(i)).collect();
         let late = report::late(&self.poses(), &places, &self.guides.bodies, &self.hindered);
         let needed = self.needed(interval);
         Arrival {
@@ -271,12 +264,10 @@ impl<'a> Simulation<'a> {
     /// Seconds each animal needs for its guide's way through an interval at V_max.
     fn needed(&self, interval: usize) -> Vec<f64> {
         const SAMPLES: usize = 64;
-        let at = |k: usize| Progress { interval, share: k as f64 / SAMPLES as f64 };
-        let frames: Vec<HerdFrame> = (0..=SAMPLES).map(|k| self.guides.frame_at(at(k))).collect();
-        let seconds = |i: usize| {
-            let place = |k: usize| self.guides.place(frames[k], at(k), i);
-            (0..SAMPLES).map(|k| self.seconds_between(place(k), place(k + 1))).sum()
-        };
+        let at = |k: usize| self.guides.straight(Progress { interval, share: k as f64 / SAMPLES as f64 });
+        let way: Vec<Posture<'_>> = (0..=SAMPLES).map(at).collect();
+        let leg = |i: usize, leg: &[Posture<'_>]| self.seconds_between(leg[0].place(i), leg[1].place(i));
+        let seconds = |i: usize| way.windows(2).map(|l| leg(i, l)).sum();
         (0..self.guides.len()).into_par_iter().map(seconds).collect()
     }
 }

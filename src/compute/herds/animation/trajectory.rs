@@ -117,11 +117,6 @@ impl Trajectory {
         (0..=steps as usize).any(|k| clearance.at(self.at(from + (to - from) * k as f64 / steps)) < least)
     }
 
-    /// Half the herd's extent in metres.
-    pub(super) fn reach(&self) -> f64 {
-        self.reach_m
-    }
-
     /// Length in metres.
     pub fn length(&self) -> f64 {
         self.lengths[self.lengths.len() - 1]
