@@ -1,9 +1,28 @@
 use crate::compute::geometry::Point;
 use crate::compute::geometry::Segment;
+use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::PI;
 use std::f64::consts::TAU;
 
 /// Sums of crossing angles nearer than this to a whole turn are decided by a point test.
 const WHOLE_TURN_TOLERANCE: f64 = 1e-9;
+
+/// The same for angles by [`rough_angle`].
+const ROUGH_WHOLE_TURN_TOLERANCE: f64 = 1e-6;
+
+/// The arc tangent from 0 to 1 within 2·10⁻⁸: a polynomial in the square of its argument, lowest
+/// power first (Abramowitz and Stegun 1964, 4.4.49).
+const ARC_TANGENT: [f64; 9] = [
+    1.0,
+    -0.333_331_452_8,
+    0.199_935_508_5,
+    -0.142_088_994_4,
+    0.106_562_639_3,
+    -0.075_289_640_0,
+    0.042_909_613_8,
+    -0.016_165_736_7,
+    0.002_866_225_7,
+];
 
 /// The border of a region seen from one place: how much of each circle around that place lies
 /// inside (T eq. 3.8), exactly.
@@ -60,24 +79,33 @@ impl Surroundings {
 
     /// The angle, 0 to 2π, of the circle of `radius` that lies inside the region.
     pub fn arc_inside(&self, radius: f64) -> f64 {
+        self.arc_by(radius, (Point::angle, WHOLE_TURN_TOLERANCE))
+    }
+
+    /// The same within 10⁻⁶, several times as fast.
+    pub fn arc_inside_roughly(&self, radius: f64) -> f64 {
+        self.arc_by(radius, (rough_angle, ROUGH_WHOLE_TURN_TOLERANCE))
+    }
+
+    fn arc_by(&self, radius: f64, (angle_of, tolerance): (impl Fn(Point) -> f64, f64)) -> f64 {
         let radius_sq = radius * radius;
         let (mut sum, mut last) = (0.0, None);
         for piece in self.pieces.iter().take_while(|p| p.nearest_sq < radius_sq) {
             let (entry, exit) = piece.crossings(radius_sq);
             if let Some(p) = exit {
-                let angle = p.angle();
+                let angle = angle_of(p);
                 sum += angle;
                 last = Some(angle);
             }
             if let Some(p) = entry {
-                let angle = p.angle();
+                let angle = angle_of(p);
                 sum -= angle;
                 last = Some(angle);
             }
         }
         let turn = sum.rem_euclid(TAU);
         match last {
-            Some(_) if turn > WHOLE_TURN_TOLERANCE && turn < TAU - WHOLE_TURN_TOLERANCE => turn,
+            Some(_) if turn > tolerance && turn < TAU - tolerance => turn,
             Some(angle) => self.whole_or_nothing(Point::from_angle(angle + std::f64::consts::PI) * radius),
             None => self.whole_or_nothing(Point::new(radius, 0.0)),
         }
@@ -100,6 +128,17 @@ impl Surroundings {
         };
         self.inside ^ (self.pieces.iter().filter(|p| crossed(&p.segment)).count() % 2 == 1)
     }
+}
+
+/// [`Point::angle`] within 3·10⁻⁸.
+fn rough_angle(p: Point) -> f64 {
+    let (x, y) = (p.x.abs(), p.y.abs());
+    let ratio = x.min(y) / x.max(y).max(f64::MIN_POSITIVE);
+    let square = ratio * ratio;
+    let octant = ratio * ARC_TANGENT.iter().rev().fold(0.0, |sum, c| sum * square + c);
+    let quadrant = if y > x { FRAC_PI_2 - octant } else { octant };
+    let half = if p.x < 0.0 { PI - quadrant } else { quadrant };
+    if p.y < 0.0 { -half } else { half }
 }
 
 impl Piece {
@@ -165,6 +204,21 @@ mod tests {
             let exact = region.surroundings(centre, 13.0).arc_inside(radius);
             assert!((exact - counted).abs() < 0.01, "{centre:?} {radius}: {exact} {counted}");
         }
+    }
+
+    #[test]
+    fn rough_angles_and_arcs_are_near_the_exact_ones() {
+        let mut random = Stream::new(2, Purpose::new("test.angles"), 0);
+        for _ in 0..2000 {
+            let p = Point::new(random.range(-1.0, 1.0), random.range(-1.0, 1.0));
+            assert!((rough_angle(p) - p.angle()).abs() < 3e-8, "{p:?}");
+            let around = unit_square().surroundings(p, 2.0);
+            let radius = random.range(0.0, 2.0);
+            assert!((around.arc_inside_roughly(radius) - around.arc_inside(radius)).abs() < 2e-6, "{p:?} {radius}");
+        }
+        let axes = [Point::new(1.0, 0.0), Point::new(0.0, 1.0), Point::new(-1.0, 0.0), Point::new(0.0, -1.0)];
+        assert!(axes.iter().all(|p| (rough_angle(*p) - p.angle()).abs() < 3e-8));
+        assert_eq!(rough_angle(Point::default()), 0.0);
     }
 
     #[test]

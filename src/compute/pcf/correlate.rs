@@ -47,7 +47,7 @@ impl BorderWeight {
         if distance <= self.clearance {
             return 1.0;
         }
-        let inside = self.around.arc_inside(distance) / std::f64::consts::TAU;
+        let inside = self.around.arc_inside_roughly(distance) / std::f64::consts::TAU;
         (1.0 / inside.max(1e-12)).min(self.cap)
     }
 }

@@ -126,10 +126,11 @@ impl Kernel {
             row[bin as usize] += upward * self.steps[(bin - middle) as usize];
             upward *= ratio;
         }
-        let mut downward = peak / ratio;
+        let back = 1.0 / ratio;
+        let mut downward = peak * back;
         for bin in (first..middle).rev() {
             row[bin as usize] += downward * self.steps[(middle - bin) as usize];
-            downward /= ratio;
+            downward *= back;
         }
     }
 }

@@ -1,34 +1,35 @@
 use crate::compute::geometry::Point;
 use crate::compute::geometry::Region;
-use crate::compute::pcf::Body;
-use crate::compute::pcf::BorderWeight;
-use crate::compute::pcf::Frame;
 use crate::compute::pcf::WEIGHT_CAP;
 
 /// Values of a table beyond the nearest border.
 const VALUES: usize = 32;
 
-/// The border weights around an element that does not move, for every distance up to its reach:
-/// tabulated, as they are asked for once a candidate.
+/// The border weights around a place, for every distance up to a reach: tabulated, as they are
+/// asked for many times.
 #[derive(Debug, Clone)]
 pub(super) struct BorderTable {
     clearance: f64,
     per_step: f64,
+    /// Empty: 1 everywhere.
     values: Vec<f64>,
 }
 
 impl BorderTable {
     /// The weights around `p` up to `reach` r_max (`unit` metres) in `domain`.
     pub(super) fn new(domain: &Region, p: Point, (reach, unit): (f64, f64)) -> Self {
-        let clearance = domain.clearance(p, reach * unit) / unit;
+        let around = domain.surroundings(p, reach * unit);
+        let clearance = if around.is_inside() { around.clearance() / unit } else { 0.0 };
         if clearance >= reach || reach <= 0.0 {
             return Self { clearance: reach, per_step: 0.0, values: Vec::new() };
         }
-        let body = Body { centre: p, radius: 0.0, frame: Frame::of_unit(unit) };
-        let exact = BorderWeight::new(domain, &body, reach, WEIGHT_CAP);
         let step = (reach - clearance) / VALUES as f64;
-        let values = (0..=VALUES).map(|k| exact.at(clearance + k as f64 * step)).collect();
-        Self { clearance, per_step: 1.0 / step, values }
+        let weight = |k: usize| {
+            let inside = around.arc_inside_roughly((clearance + k as f64 * step) * unit) / std::f64::consts::TAU;
+            (1.0 / inside.max(1e-12)).min(WEIGHT_CAP)
+        };
+        let values = std::iter::once(if around.is_inside() { 1.0 } else { weight(0) }).chain((1..=VALUES).map(weight));
+        Self { clearance, per_step: 1.0 / step, values: values.collect() }
     }
 
     /// The weight of a pair at `distance`, in r_max.

@@ -1,9 +1,11 @@
 use super::border_table::BorderTable;
 use super::partners::Partners;
+use super::patch::Individual;
 use super::patch::Patch;
 use super::patch::sums_of;
 use super::patch::triplet_sums;
 use super::scene::Scene;
+use rayon::prelude::*;
 
 /// Two ends of a triplet at a distance of 1 from its middle are this far apart in the mean: 4/π.
 const ACROSS: f64 = 4.0 / std::f64::consts::PI;
@@ -33,11 +35,11 @@ pub(super) struct BlockSums {
 pub(super) struct Filling {
     /// The elements so far.
     pub(super) inner: Partners,
-    /// Their individual curves towards their own class.
-    pub(super) curves: Vec<Vec<f64>>,
+    /// Their individual curves towards their own class, aligned rows.
+    pub(super) curves: Vec<Vec<f32>>,
     /// What each partner of each view sees of the class, see [`Patch::seen_by_parents`]. Those
     /// around the block count by half, as of their triplets only one end is in the block.
-    pub(super) seen: Vec<Vec<Vec<f64>>>,
+    pub(super) seen: Vec<Vec<Vec<f32>>>,
     /// The border weights around its elements.
     pub(super) borders: Vec<BorderTable>,
     /// The sums.
@@ -48,24 +50,24 @@ impl Filling {
     /// The block of `patch` before any of its `count` elements; of its neighbours the share
     /// `neighbours` is filled.
     pub(super) fn empty(patch: &Patch<'_>, count: usize, neighbours: f64) -> Self {
-        let inner = patch.inner(&[]);
+        let inner = patch.inner();
         let sums = BlockSums::new(patch.scene, count, (patch.sampler.block_side(), neighbours));
         Self { seen: patch.seen_by_parents(&inner, 0.5), inner, curves: Vec::new(), borders: Vec::new(), sums }
     }
 
-    /// The block of `patch` with all its elements, all around it filled too.
-    pub(super) fn complete(patch: &Patch<'_>) -> Self {
+    /// The block of `patch` with all its elements, all around it filled too; `individuals` are
+    /// what they see.
+    pub(super) fn complete(patch: &Patch<'_>, individuals: &[Individual]) -> Self {
         let scene = patch.scene;
-        let individuals = patch.individuals(&[]);
-        let inner = patch.inner(&[]);
+        let inner = patch.inner();
         let mut sums = BlockSums::new(scene, individuals.len(), (patch.sampler.block_side(), 1.0));
         sums.placed = individuals.len();
-        sums.sums = sums_of(&individuals, scene).iter().map(|row| scene.sparse.of_row(row)).collect();
-        sums.triplets = triplet_sums(&individuals, scene);
-        let curves = individuals.iter().map(|i| scene.sparse.of_row(&i.rows[0])).collect();
+        sums.sums = sums_of(individuals, scene).iter().map(|row| scene.sparse.of_row(row)).collect();
+        sums.triplets = triplet_sums(individuals, scene);
+        let curves = individuals.iter().map(|i| scene.rows.aligned(scene.sparse.of_row(&i.rows[0]))).collect();
         let border =
             |i: usize| scene.border_table(patch.places[i], patch.reach_of(patch.radii[i] / scene.unit, &inner));
-        let borders = (0..patch.places.len()).map(border).collect();
+        let borders = (0..patch.places.len()).into_par_iter().map(border).collect();
         Self { seen: patch.seen_by_parents(&inner, 0.5), inner, curves, borders, sums }
     }
 }

@@ -1,5 +1,7 @@
+use super::kernel_rows::KernelRows;
 use crate::compute::pcf::Axis;
 use crate::compute::pcf::Curve;
+use crate::compute::pcf::RELATIVE_FLOOR;
 
 /// Trials look at every place of the axis that is at least this many σ from the last: a curve
 /// smoothed by k_σ says no more in between.
@@ -37,28 +39,53 @@ impl Sparse {
 pub(super) struct Goal {
     /// The curve.
     pub(super) mean: Vec<f64>,
-    /// The validity region's lower bound.
-    pub(super) lower: Vec<f64>,
-    /// Its upper bound.
-    pub(super) upper: Vec<f64>,
     /// The triplets; empty when the exemplar has none.
     pub(super) triplets: Vec<f64>,
-    /// 1/(density·M(r)) of the partners.
-    pub(super) factors: Vec<f64>,
+    /// 1/(density·M(r)) of the partners, an aligned row.
+    pub(super) factors: Vec<f32>,
     /// The same of the class, for the partners looking at it.
-    pub(super) reverse: Vec<f64>,
+    pub(super) reverse: Vec<f32>,
+    /// How a kernel sum leaves the validity region.
+    pub(super) bounds: Bounds,
+}
+
+/// By how much of a bound a kernel sum passes it: value·slope + offset, positive outside; aligned
+/// rows.
+#[derive(Debug, Clone)]
+pub(super) struct Bounds {
+    /// Slope and offset above the upper bound.
+    pub(super) above: (Vec<f32>, Vec<f32>),
+    /// The same below the lower bound.
+    pub(super) below: (Vec<f32>, Vec<f32>),
+}
+
+impl Bounds {
+    fn new((lower, upper): (&[f64], &[f64]), factors: &[f64], rows: &KernelRows) -> Self {
+        let sided = |sign: f64, bound: &[f64]| {
+            let slope = bound.iter().zip(factors).map(|(b, f)| sign * f / b.max(RELATIVE_FLOOR));
+            let can_lie = |f: &f64| f64::from(u8::from(*f > 0.0));
+            let offset = bound.iter().zip(factors).map(|(b, f)| -sign * can_lie(f) * b / b.max(RELATIVE_FLOOR));
+            (rows.aligned(slope), rows.aligned(offset))
+        };
+        Self { above: sided(1.0, upper), below: sided(-1.0, lower) }
+    }
 }
 
 impl Goal {
     /// The goal of a curve, with the factors of the target domain.
-    pub(super) fn new(curve: &Curve, (factors, reverse): (&[f64], &[f64]), sparse: &Sparse) -> Self {
+    pub(super) fn new(
+        curve: &Curve,
+        (factors, reverse): (&[f64], &[f64]),
+        (sparse, rows): (&Sparse, &KernelRows),
+    ) -> Self {
+        let (lower, upper) = (sparse.of_row(&curve.lower), sparse.of_row(&curve.upper));
+        let factors = sparse.of_row(factors);
         Self {
             mean: sparse.of_row(&curve.mean),
-            lower: sparse.of_row(&curve.lower),
-            upper: sparse.of_row(&curve.upper),
             triplets: sparse.of_row(&curve.triplets),
-            factors: sparse.of_row(factors),
-            reverse: sparse.of_row(reverse),
+            bounds: Bounds::new((&lower, &upper), &factors, rows),
+            factors: rows.aligned(factors),
+            reverse: rows.aligned(sparse.of_row(reverse)),
         }
     }
 }

@@ -156,20 +156,22 @@ impl<'a> Layout<'a> {
         let before = self.scene.views[0].partners.list().len();
         let own = before + range.start..before + range.end;
         let block = &self.sampler.blocks[block];
-        let bounds = self.sampler.block_bounds(block).unwrap_or_else(|| self.scene.domain.bounds());
         let largest = self.all.largest_radius().max(self.scene.largest_radius());
         let sight = self.scene.metric.reach(self.scene.axis.reach(), largest, largest) + 1.0;
-        let context = self.all.part(bounds.grown(sight * self.scene.unit), |i| !own.contains(&i));
+        let context = self.all.part(block.bounds.grown(sight * self.scene.unit), |i| !own.contains(&i));
         let (places, radii) = self.elements[range].iter().copied().unzip();
         Patch { scene: self.scene, sampler: self.sampler, block, context, places, radii }
     }
 
     fn renew(&mut self) {
-        self.all = self.scene.views[0].partners.clone();
-        for (place, radius) in &self.elements {
-            let weight = self.scene.intensity.weight(*place);
-            self.all.push(Partner { place: *place, radius: radius / self.scene.unit, weight });
-        }
+        let before = &self.scene.views[0].partners;
+        let partner = |(place, radius): &(Point, f64)| Partner {
+            place: *place,
+            radius: radius / self.scene.unit,
+            weight: self.scene.intensity.weight(*place),
+        };
+        let all = before.list().iter().copied().chain(self.elements.iter().map(partner));
+        self.all = Partners::new(all.collect(), self.scene.domain.bounds(), self.scene.unit);
     }
 
     /// The exact curves of the new elements, one a view.
@@ -184,7 +186,7 @@ impl<'a> Layout<'a> {
         let mut sums: Vec<CurveSum> = self.scene.views.iter().map(|v| CurveSum::new(empty(v), false)).collect();
         for block in &self.blocks {
             run.check()?;
-            for individual in self.patch(block.clone()).individuals(&[]) {
+            for individual in self.patch(block.clone()).individuals() {
                 sums.iter_mut().zip(individual.rows).for_each(|(sum, row)| sum.add(row));
             }
         }

@@ -1,5 +1,6 @@
 //! New arrangements with the curves of an exemplar (T 3.1.2, 3.3, 3.4.3, 3.5).
 
+mod absence;
 mod border_table;
 mod darts;
 mod filling;

@@ -4,6 +4,7 @@
 use super::patch::Individual;
 use super::patch::Patch;
 use super::refine::refine;
+use super::settle::Settled;
 use super::settle::Settling;
 use super::settle::settle;
 use crate::compute::geometry::Point;
@@ -27,7 +28,7 @@ const TRIES: usize = 100;
 const PARTING_ROUNDS: usize = 4;
 
 /// Descents after outliers were laid out again are this many times shorter.
-const AGAIN_SHORTER: usize = 4;
+const AGAIN_SHORTER: usize = 8;
 
 /// How often a refinement is tried when a curve ends worse than it began.
 const MOST_REFINEMENTS: usize = 2;
@@ -38,6 +39,10 @@ const MORE_WEIGHT: f64 = 0.4;
 /// A curve that begins nearer to its target than this is measured by this instead, so that one
 /// that fits already does not bind the others.
 const LEAST_SCALE: f64 = 0.01;
+
+/// Rounds end when one lowers the squared errors by less than this share of what they were at
+/// the beginning.
+const LEAST_ROUND_GAIN: f64 = 0.002;
 
 /// What became of a block.
 #[derive(Debug, Clone, Copy, Default)]
@@ -61,30 +66,44 @@ pub(super) fn improve(
     options: &SynthesisOptions,
     run: &Run,
 ) -> Result<Improved, PcfError> {
-    let begun = patch.individuals(&[]);
+    let begun = patch.individuals();
     let limits = patch.errors_of(&begun);
     let mut scales: Vec<f64> = limits.iter().map(|e| e.max(LEAST_SCALE)).collect();
     let triplet_scales: Vec<f64> = patch.triplet_errors(&begun).iter().map(|e| e.max(LEAST_TRIPLET_SCALE)).collect();
     let iterations = refine_within(patch, (scales.clone(), &limits), options, run)?;
+    let mut individuals = patch.individuals();
     let mut improved = Improved { iterations, ..Improved::default() };
     let shorter = SynthesisOptions { max_iterations: options.max_iterations / AGAIN_SHORTER, ..options.clone() };
     let mut kept = patch.places.clone();
+    let mut left = f64::INFINITY;
     for round in 0..options.outlier_rounds {
         run.check()?;
         let random = Stream::new(options.seed, AGAIN, stream << 8 | round as u64);
-        improved.replaced += settle(patch, (&scales, &triplet_scales), random, run)?;
+        improved.replaced += settle(patch, (&individuals, (&scales, &triplet_scales)), random, run)?;
         improved.iterations += refine(patch, &scales, &shorter, run)?;
-        let errors = patch.errors_of(&patch.individuals(&[]));
+        individuals = patch.individuals();
+        let errors = patch.errors_of(&individuals);
         let above: Vec<usize> = (0..limits.len()).filter(|k| errors[*k] > limits[*k] + 1e-9).collect();
         above.iter().for_each(|k| scales[*k] *= MORE_WEIGHT);
         if above.is_empty() {
             kept.clone_from(&patch.places);
         }
+        let before = left;
+        left = mean_square(&errors, &limits) + mean_square(&patch.triplet_errors(&individuals), &triplet_scales);
+        if above.is_empty() && left > before - LEAST_ROUND_GAIN {
+            break;
+        }
     }
     patch.places = kept;
     part(patch, &mut improved, (stream, options), run)?;
-    let outside = patch.individuals(&[]).iter().filter(|i| region_error(i, patch) > options.outlier_tolerance).count();
+    let outside = patch.individuals().iter().filter(|i| region_error(i, patch) > options.outlier_tolerance).count();
     Ok(Improved { outside, ..improved })
+}
+
+/// The mean square of errors over what each is measured by.
+fn mean_square(errors: &[f64], scales: &[f64]) -> f64 {
+    let square = |(error, scale): (&f64, &f64)| (error / scale.max(LEAST_SCALE)).powi(2);
+    errors.iter().zip(scales).map(square).sum::<f64>() / errors.len().max(1) as f64
 }
 
 /// Refines; while a curve ends above its share of `limits`, again with more weight on it; if that
@@ -98,7 +117,7 @@ fn refine_within(
     let (before, mut iterations) = (patch.places.clone(), 0);
     for _ in 0..MOST_REFINEMENTS {
         iterations += refine(patch, &scales, options, run)?;
-        let errors = patch.errors_of(&patch.individuals(&[]));
+        let errors = patch.errors_of(&patch.individuals());
         let above = |k: usize| errors[k] > limits[k] + 1e-9;
         if !(0..limits.len()).any(above) {
             return Ok(iterations);
@@ -163,7 +182,7 @@ fn region_error(individual: &Individual, patch: &Patch<'_>) -> f64 {
 
 /// The later one of each pair of elements of the class nearer than allowed, ascending.
 fn too_near(patch: &Patch<'_>) -> Vec<usize> {
-    let (closest, inner) = (patch.scene.closest, patch.inner(&[]));
+    let (closest, inner) = (patch.scene.closest, patch.inner());
     let is_near = |i: &usize| {
         let (p, mut near) = (patch.places[*i], false);
         inner.for_each_near(p, closest, |j, other| near |= j < *i && other.place.distance(p) < closest);
@@ -176,14 +195,15 @@ fn too_near(patch: &Patch<'_>) -> Vec<usize> {
 /// Lays the given elements (ascending) out again, each at a free place of its block chosen among
 /// many; gives those for which none was free, ascending: they stay.
 fn replace(patch: &mut Patch<'_>, near: &[usize], mut random: Stream, run: &Run) -> Result<Vec<usize>, PcfError> {
-    let errors: Vec<f64> = patch.errors_of(&patch.individuals(&[])).iter().map(|e| e.max(LEAST_SCALE)).collect();
+    let individuals = patch.individuals();
+    let errors: Vec<f64> = patch.errors_of(&individuals).iter().map(|e| e.max(LEAST_SCALE)).collect();
     let triplets = vec![1.0; errors.len()];
-    let mut settling = Settling::new(patch, (&errors, &triplets));
+    let mut settling = Settling::new(patch, &individuals, (&errors, &triplets));
     let mut homeless = Vec::new();
     for i in near {
         run.check()?;
         let draws: Vec<Point> = (0..TRIES).filter_map(|_| patch.sampler.draw(patch.block, &mut random)).collect();
-        if !settling.settle(*i, &draws) {
+        if settling.settle(*i, &draws) == Settled::Homeless {
             homeless.push(*i);
         }
     }

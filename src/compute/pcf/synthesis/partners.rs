@@ -15,7 +15,11 @@ pub(super) struct Partner {
     pub(super) weight: f64,
 }
 
-/// A growing set of partners, searched by square cells.
+/// A set of partners, searched by square cells.
+///
+/// Stored as compressed rows: copies of all partners cell by cell, so that a search reads memory
+/// in order, and where each cell begins. A partner added or moved shifts those behind it, which
+/// for the few thousand of a block costs less than one trial.
 #[derive(Debug, Clone)]
 pub(super) struct Partners {
     list: Vec<Partner>,
@@ -23,26 +27,43 @@ pub(super) struct Partners {
     cell: f64,
     columns: usize,
     rows: usize,
-    cells: Vec<Vec<u32>>,
+    starts: Vec<u32>,
+    sorted: Vec<(Partner, u32)>,
     largest_radius: f64,
 }
 
 impl Partners {
-    /// An empty set over `bounds`, in cells about `cell` metres wide.
-    pub(super) fn new(bounds: Bounds, cell: f64) -> Self {
+    /// `list` in cells about `cell` metres wide over `bounds`.
+    pub(super) fn new(list: Vec<Partner>, bounds: Bounds, cell: f64) -> Self {
         let cell = cell.max((bounds.area() / MOST_CELLS).sqrt());
         let (columns, rows) = ((bounds.width() / cell) as usize + 1, (bounds.height() / cell) as usize + 1);
-        let cells = vec![Vec::new(); columns * rows];
-        Self { list: Vec::new(), bounds, cell, columns, rows, cells, largest_radius: 0.0 }
+        let largest_radius = list.iter().map(|p| p.radius).fold(0.0, f64::max);
+        let starts = vec![0; columns * rows + 1];
+        let mut partners = Self { list, bounds, cell, columns, rows, starts, sorted: Vec::new(), largest_radius };
+        let mut sorted: Vec<(usize, u32)> =
+            partners.list.iter().enumerate().map(|(i, p)| (partners.cell_of(p.place), i as u32)).collect();
+        sorted.sort_unstable();
+        for (cell, _) in &sorted {
+            partners.starts[cell + 1] += 1;
+        }
+        for cell in 0..columns * rows {
+            partners.starts[cell + 1] += partners.starts[cell];
+        }
+        partners.sorted = sorted.iter().map(|(_, i)| (partners.list[*i as usize], *i)).collect();
+        partners
     }
 
     /// The partners within `bounds` that `keep` holds for, in order.
     pub(super) fn part(&self, bounds: Bounds, keep: impl Fn(usize) -> bool) -> Self {
         let bounds = bounds.within(self.bounds);
-        let mut part = Self::new(bounds, self.cell);
-        let kept = self.list.iter().enumerate().filter(|(i, p)| keep(*i) && bounds.contains(p.place));
-        kept.for_each(|(_, p)| part.push(*p));
-        part
+        let mut kept: Vec<usize> = Vec::new();
+        for row in self.row(bounds.min.y)..=self.row(bounds.max.y) {
+            let near = self.row_of_cells(row, bounds.min.x, bounds.max.x).iter();
+            kept.extend(near.filter(|(p, _)| bounds.contains(p.place)).map(|(_, i)| *i as usize));
+        }
+        kept.retain(|i| keep(*i));
+        kept.sort_unstable();
+        Self::new(kept.into_iter().map(|i| self.list[i]).collect(), bounds, self.cell)
     }
 
     pub(super) fn list(&self) -> &[Partner] {
@@ -54,23 +75,27 @@ impl Partners {
     }
 
     pub(super) fn push(&mut self, partner: Partner) {
-        let cell = self.cell_of(partner.place);
-        self.cells[cell].push(self.list.len() as u32);
         self.largest_radius = self.largest_radius.max(partner.radius);
         self.list.push(partner);
+        self.insert(partner, self.list.len() - 1);
     }
 
-    /// Takes partner `i` out of the search; it keeps its number.
-    pub(super) fn hide(&mut self, i: usize) {
-        let cell = self.cell_of(self.list[i].place);
-        self.cells[cell].retain(|other| *other as usize != i);
-    }
-
-    /// Puts partner `i`, hidden before, to another place.
+    /// Moves partner `i` to another place.
     pub(super) fn put(&mut self, i: usize, partner: Partner) {
-        let cell = self.cell_of(partner.place);
-        self.cells[cell].push(i as u32);
+        let cell = self.cell_of(self.list[i].place);
+        let (first, last) = (self.starts[cell] as usize, self.starts[cell + 1] as usize);
+        if let Some(at) = self.sorted[first..last].iter().position(|(_, j)| *j as usize == i) {
+            self.sorted.remove(first + at);
+            self.starts[cell + 1..].iter_mut().for_each(|s| *s -= 1);
+        }
         self.list[i] = partner;
+        self.insert(partner, i);
+    }
+
+    fn insert(&mut self, partner: Partner, i: usize) {
+        let cell = self.cell_of(partner.place);
+        self.sorted.insert(self.starts[cell + 1] as usize, (partner, i as u32));
+        self.starts[cell + 1..].iter_mut().for_each(|s| *s += 1);
     }
 
     fn cell_of(&self, p: Point) -> usize {
@@ -85,13 +110,20 @@ impl Partners {
         (((y - self.bounds.min.y) / self.cell).max(0.0) as usize).min(self.rows - 1)
     }
 
-    /// Calls `visit` with the index and partner of all within `radius` metres, and some beyond.
+    /// Those in the cells of `row` from `west` to `east`.
+    fn row_of_cells(&self, row: usize, west: f64, east: f64) -> &[(Partner, u32)] {
+        let first = row * self.columns;
+        let (west, east) = (self.starts[first + self.column(west)], self.starts[first + self.column(east) + 1]);
+        &self.sorted[west as usize..east as usize]
+    }
+
+    /// Calls `visit` with the index and partner of all within `radius` metres.
     pub(super) fn for_each_near(&self, p: Point, radius: f64, mut visit: impl FnMut(usize, &Partner)) {
+        let radius_sq = radius * radius;
         for row in self.row(p.y - radius)..=self.row(p.y + radius) {
-            let first = row * self.columns;
-            for cell in &self.cells[first + self.column(p.x - radius)..=first + self.column(p.x + radius)] {
-                for i in cell {
-                    visit(*i as usize, &self.list[*i as usize]);
+            for (partner, i) in self.row_of_cells(row, p.x - radius, p.x + radius) {
+                if partner.place.distance_sq(p) <= radius_sq {
+                    visit(*i as usize, partner);
                 }
             }
         }

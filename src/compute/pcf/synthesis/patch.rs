@@ -26,7 +26,7 @@ pub(super) struct Patch<'a> {
 impl<'a> Patch<'a> {
     /// Whether an element of the block may lie at `p`.
     pub(super) fn holds(&self, p: Point) -> bool {
-        self.sampler.allows(p) && self.sampler.block_bounds(self.block).is_some_and(|b| b.contains(p))
+        self.block.bounds.contains(p) && self.sampler.allows(p)
     }
 
     /// Whom an element sees in view `v`, but for the block's own elements.
@@ -46,44 +46,42 @@ impl<'a> Patch<'a> {
         self.farthest((radius, inner), self.scene.rows.reach(self.scene.sparse.axis.extent))
     }
 
-    /// The block's elements, without those of `left_out` (ascending), as partners.
-    pub(super) fn inner(&self, left_out: &[usize]) -> Partners {
-        let bounds = self.sampler.block_bounds(self.block).unwrap_or_else(|| self.scene.domain.bounds());
-        let mut inner = Partners::new(bounds, self.scene.unit);
-        let kept = (0..self.places.len()).filter(|i| left_out.binary_search(i).is_err());
-        kept.for_each(|i| inner.push(self.as_partner(i)));
-        inner
+    /// The block's elements as partners.
+    pub(super) fn inner(&self) -> Partners {
+        let bounds = self.block.bounds;
+        let partner = |(place, radius): (&Point, &f64)| Partner {
+            place: *place,
+            radius: radius / self.scene.unit,
+            weight: self.scene.intensity.weight(*place),
+        };
+        Partners::new(self.places.iter().zip(&self.radii).map(partner).collect(), bounds, self.scene.unit)
     }
 
-    pub(super) fn as_partner(&self, i: usize) -> Partner {
-        let place = self.places[i];
-        Partner { place, radius: self.radii[i] / self.scene.unit, weight: self.scene.intensity.weight(place) }
-    }
-
-    /// The individual curves of all elements but those of `left_out` (ascending): one row a
-    /// view.
-    pub(super) fn individuals(&self, left_out: &[usize]) -> Vec<Individual> {
-        let inner = self.inner(left_out);
+    /// The individual curves of all elements: one row a view.
+    pub(super) fn individuals(&self) -> Vec<Individual> {
+        let inner = self.inner();
         let seen = self.seen_by_parents(&inner, 1.0);
-        let kept: Vec<usize> = (0..self.places.len()).filter(|i| left_out.binary_search(i).is_err()).collect();
-        kept.par_iter().enumerate().map(|(k, i)| self.individual(*i, (&inner, k), &seen)).collect()
+        (0..self.places.len()).into_par_iter().map(|i| self.individual(i, &inner, &seen)).collect()
     }
 
     /// What each element of each parent class sees of the class: the block's elements `inner`,
     /// and those around it by `share`. Kernel sums by view and partner; empty for partners that
     /// see nobody, and for views without triplets.
-    pub(super) fn seen_by_parents(&self, inner: &Partners, share: f64) -> Vec<Vec<Vec<f64>>> {
+    pub(super) fn seen_by_parents(&self, inner: &Partners, share: f64) -> Vec<Vec<Vec<f32>>> {
         let scene = self.scene;
+        let extent = scene.rows.reach(scene.sparse.axis.extent);
         let row_of = |view: &View<'_>, j: usize| {
             let (parent, border) = (&view.partners.list()[j], &view.borders[j]);
             let mut row = Vec::new();
             for (children, share) in [(inner, 1.0), (&self.context, share)] {
-                let reach = scene.reach(children, parent.radius, scene.axis.reach()) * scene.unit;
+                let reach = scene.reach(children, parent.radius, extent) * scene.unit;
                 children.for_each_near(parent.place, reach, |_, child| {
                     let distance = child.place.distance(parent.place) / scene.unit;
                     let place = scene.metric.value(distance, parent.radius, child.radius);
-                    if place <= scene.axis.reach() {
-                        row.resize(scene.sparse.bins(), 0.0);
+                    if place <= extent {
+                        if row.is_empty() {
+                            row = scene.rows.zeros();
+                        }
                         scene.rows.add(&mut row, place, share * border.at(distance) * child.weight);
                     }
                 });
@@ -95,31 +93,30 @@ impl<'a> Patch<'a> {
     }
 
     /// Of the triplets around the partners of view `v`, those with element `i` (r_max) at one end.
-    fn triplets_at_end(&self, v: usize, (p, radius, weight): (Point, f64, f64), seen: &[Vec<f64>]) -> Vec<f64> {
+    fn triplets_at_end(&self, v: usize, (p, radius, weight): (Point, f64, f64), seen: &[Vec<f32>]) -> Vec<f64> {
         let (scene, view) = (self.scene, &self.scene.views[v]);
-        let bins = scene.sparse.bins();
-        let mut triplets = vec![0.0; view.triplet_weights.len()];
         if view.borders.is_empty() {
-            return triplets;
+            return vec![0.0; view.triplet_weights.len()];
         }
-        let reach = scene.reach(&view.partners, radius, scene.axis.reach()) * scene.unit;
-        view.partners.for_each_near(p, reach, |j, parent| {
+        let mut triplets = scene.rows.zeros();
+        let extent = scene.rows.reach(scene.sparse.axis.extent);
+        view.partners.for_each_near(p, scene.reach(&view.partners, radius, extent) * scene.unit, |j, parent| {
             let distance = parent.place.distance(p) / scene.unit;
             let place = scene.metric.value(distance, radius, parent.radius);
-            if !seen[j].is_empty() && place <= scene.axis.reach() {
-                let (first, kernel) = scene.rows.around(place, bins);
-                let pair = view.borders[j].at(distance) * weight;
+            if !seen[j].is_empty() && place <= extent {
+                let (first, kernel) = scene.rows.around(place);
+                let pair = (view.borders[j].at(distance) * weight) as f32;
                 for (k, value) in kernel.iter().enumerate() {
                     triplets[first + k] += pair * value * (seen[j][first + k] - pair * value);
                 }
             }
         });
         let per_child = view.per_child(false, scene.count);
-        triplets.iter_mut().zip(&view.goal.reverse).for_each(|(t, factor)| *t *= factor * factor * per_child);
-        triplets
+        let complete = |(t, factor): (&f32, &f32)| f64::from(t * factor * factor) * per_child;
+        triplets[scene.rows.axis()].iter().zip(&view.goal.reverse[scene.rows.axis()]).map(complete).collect()
     }
 
-    fn individual(&self, i: usize, (inner, itself): (&Partners, usize), seen: &[Vec<Vec<f64>>]) -> Individual {
+    fn individual(&self, i: usize, inner: &Partners, seen: &[Vec<Vec<f32>>]) -> Individual {
         let (scene, p, radius) = (self.scene, self.places[i], self.radii[i] / self.scene.unit);
         let border = scene.border(p, self.farthest((radius, inner), scene.axis.reach()));
         let zeros = || vec![0.0; scene.axis.bins()];
@@ -128,7 +125,7 @@ impl<'a> Patch<'a> {
             scene.add_row(row, (p, radius, &border), (self.partners(v), None));
         }
         let mut own = zeros();
-        scene.add_row(&mut own, (p, radius, &border), (inner, Some(itself)));
+        scene.add_row(&mut own, (p, radius, &border), (inner, Some(i)));
         rows[0].iter_mut().zip(&own).for_each(|(row, own)| *row += own);
         for (row, view) in rows.iter_mut().zip(&scene.views) {
             row.iter_mut().zip(&view.factors).for_each(|(value, factor)| *value *= factor);
@@ -140,7 +137,7 @@ impl<'a> Patch<'a> {
         if !scene.views[0].triplet_weights.is_empty() {
             let mut same = zeros();
             scene.add_squares(&mut same, (p, radius, &border), (&self.context, None));
-            scene.add_squares(&mut same, (p, radius, &border), (inner, Some(itself)));
+            scene.add_squares(&mut same, (p, radius, &border), (inner, Some(i)));
             of_own = scene.sparse.of_row(&curve::triplets(&rows[0], &same, &scene.views[0].factors));
         }
         triplets.insert(0, of_own);

@@ -4,6 +4,7 @@
 //! one table W(m) a curve and no sum over r a pair; the curves themselves come from a fine
 //! histogram of m, smoothed once. Both make an iteration cost a few nanoseconds a pair.
 
+use super::partners::Partner;
 use super::patch::Patch;
 use super::scene::Scene;
 use crate::compute::geometry::Point;
@@ -23,7 +24,10 @@ const FINE: usize = 8;
 
 /// Pairs are gathered this far (r_max) beyond reach, so that a list stays valid while elements
 /// move by half of it.
-const SKIN: f64 = 0.5;
+const SKIN: f64 = 0.3;
+
+/// The kernel is left out beyond this many σ (5·10⁻⁶ of its peak).
+const CUT_OFF_SIGMAS: f64 = 3.5;
 
 /// Elements whose sums are taken together: fixed, so that results do not depend on threads.
 const CHUNK: usize = 64;
@@ -32,7 +36,7 @@ const CHUNK: usize = 64;
 const STEPS: [f64; 9] = [0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0001, 0.00001];
 
 /// An iteration that lowers the error by less than this fraction ends the descent.
-const LEAST_GAIN: f64 = 1e-3;
+const LEAST_GAIN: f64 = 5e-3;
 
 /// The most rounds of building lists.
 const MOST_ROUNDS: usize = 40;
@@ -42,6 +46,13 @@ const MOST_ROUNDS: usize = 40;
 struct Pair {
     partner: u32,
     weight: f32,
+}
+
+/// A disk in r_max.
+#[derive(Debug, Clone, Copy)]
+struct Body {
+    place: Point,
+    radius: f64,
 }
 
 /// What a descent ended with.
@@ -87,9 +98,15 @@ struct Descent<'a> {
     cells: usize,
     /// The kernel at every difference of a value of the axis and a cell, by cells.
     kernel: Vec<f64>,
-    /// For each view and element, the partners in reach. Of the first view, partners below the
-    /// number of elements are elements of the block.
+    /// The farthest place on the axis that adds to a curve.
+    reach: f64,
+    /// For each element and view, the partners in reach, ascending. Of the first view, partners
+    /// below the number of elements are elements of the block.
     pairs: Vec<Vec<Vec<Pair>>>,
+    /// Those of the first view, each pair of two elements of the block only once, for both.
+    once: Vec<Vec<Pair>>,
+    /// Whom each view looks at, in r_max; in the first view without the block's elements.
+    bodies: Vec<Vec<Body>>,
     /// How far each element may move before it must be checked against the room, in metres.
     freedom: Vec<f64>,
     gathered_at: Vec<Point>,
@@ -101,7 +118,7 @@ struct Descent<'a> {
 
 impl<'a> Descent<'a> {
     /// Round by round: gather the pairs in reach, descend while the lists hold, and keep the
-    /// round only if it holds with border weights that are exact again.
+    /// round only if it holds with border weights of the new places.
     fn descend(&mut self, places: Vec<Point>, run: &Run) -> Result<Refined, PcfError> {
         let mut best = Refined { places, iterations: 0 };
         let mut rank = 0;
@@ -127,21 +144,27 @@ impl<'a> Descent<'a> {
     fn new(patch: &'a Patch<'a>, scales: &[f64], options: &'a SynthesisOptions) -> Self {
         let scene = patch.scene;
         let cell = scene.axis.step / FINE as f64;
-        let half = ((scene.axis.reach() - scene.axis.extent) / cell) as usize;
         let sigma = scene.axis.sigma;
+        let half = (CUT_OFF_SIGMAS * sigma / cell) as usize;
+        let reach = scene.axis.extent + CUT_OFF_SIGMAS * sigma;
         let value = |k: usize| {
             let x = k as f64 * cell / sigma;
             libm::exp(-x * x) / (std::f64::consts::PI.sqrt() * sigma)
         };
+        let body = |p: &Partner| Body { place: p.place * (1.0 / scene.unit), radius: p.radius };
+        let bodies = |v: usize| patch.partners(v).list().iter().map(body).collect();
         Self {
             patch,
             scene,
             radii: patch.radii.iter().map(|r| r / scene.unit).collect(),
             options,
             cell,
-            cells: (scene.axis.reach() / cell) as usize + 2,
+            cells: (reach / cell) as usize + 2,
+            reach,
             kernel: (0..=half).map(value).collect(),
             pairs: Vec::new(),
+            once: Vec::new(),
+            bodies: (0..scene.views.len()).map(bodies).collect(),
             freedom: Vec::new(),
             gathered_at: Vec::new(),
             clearance: Vec::new(),
@@ -149,12 +172,12 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Gathers all pairs that are or may come into reach, with their exact border weights.
+    /// Gathers all pairs that are or may come into reach, with their border weights.
     fn gather(&mut self, places: &[Point]) {
         let (scene, skin) = (self.scene, SKIN * self.scene.unit);
         let inner = self.inner_grid(places);
         let largest = self.radii.iter().copied().fold(0.0, f64::max);
-        let axis_reach = scene.axis.reach();
+        let axis_reach = self.reach;
         let gathered: Vec<Vec<Vec<Pair>>> = (0..places.len())
             .into_par_iter()
             .map(|i| {
@@ -162,7 +185,7 @@ impl<'a> Descent<'a> {
                 let own = scene.metric.reach(axis_reach, radius, largest);
                 let reach = |v: usize| scene.reach(self.patch.partners(v), radius, axis_reach);
                 let farthest = (0..scene.views.len()).map(reach).fold(own, f64::max);
-                let border = scene.border(p, farthest + SKIN);
+                let border = scene.border_table(p, farthest + SKIN);
                 let pair = |partner: usize, q: Point, other: (f64, f64)| {
                     let distance = q.distance(p) / scene.unit;
                     let near = distance <= scene.metric.reach(axis_reach, radius, other.0) + SKIN;
@@ -181,17 +204,45 @@ impl<'a> Descent<'a> {
                         let number = if v == 0 { j + places.len() } else { j };
                         pairs.extend(pair(number, partner.place, (partner.radius, partner.weight)));
                     });
+                    pairs.sort_unstable_by_key(|pair| pair.partner);
                     pairs
                 };
                 (0..scene.views.len()).map(of_view).collect()
             })
             .collect();
         self.pairs = gathered;
+        self.once = self.pairs_once();
         self.freedom = places.par_iter().map(|p| self.patch.sampler.freedom(*p, skin)).collect();
         let farthest = (largest + self.scene.largest_radius() + axis_reach) * self.scene.unit;
         let clearance = |p: &Point| self.scene.domain.clearance(*p, farthest) - skin;
         self.clearance = places.par_iter().map(clearance).collect();
         self.gathered_at = places.to_vec();
+    }
+
+    /// The pairs of the first view, those within the block once and with the weights of both.
+    fn pairs_once(&self) -> Vec<Vec<Pair>> {
+        // Lists ascend and elements are taken in order: the k-th to meet a later one of the block
+        // is the k-th in that one's own list.
+        let mut met = vec![0; self.pairs.len()];
+        let mut once = |i: usize| {
+            let later = self.pairs[i][0].iter().filter(|pair| pair.partner as usize > i);
+            let both = |pair: &Pair| match met.get_mut(pair.partner as usize) {
+                Some(met) => {
+                    let back = self.pairs[pair.partner as usize][0].get(*met).map_or(0.0, |back| back.weight);
+                    *met += 1;
+                    Pair { weight: pair.weight + back, ..*pair }
+                }
+                None => *pair,
+            };
+            later.map(both).collect()
+        };
+        (0..self.pairs.len()).map(&mut once).collect()
+    }
+
+    /// Elements at `places`, then those around the block.
+    fn own_bodies(&self, places: &[Point]) -> Vec<Body> {
+        let body = |(p, radius): (&Point, &f64)| Body { place: *p * (1.0 / self.scene.unit), radius: *radius };
+        places.iter().zip(&self.radii).map(body).chain(self.bodies[0].iter().copied()).collect()
     }
 
     fn inner_grid(&self, places: &[Point]) -> crate::compute::geometry::CellGrid {
@@ -260,8 +311,9 @@ impl<'a> Descent<'a> {
     /// The curves of the block with its elements at `places`.
     fn measure(&self, places: &[Point]) -> State {
         let views = self.scene.views.len();
+        let own = self.own_bodies(places);
         let chunks: Vec<Vec<f64>> =
-            (0..places.len().div_ceil(CHUNK)).into_par_iter().map(|c| self.histogram(places, c)).collect();
+            (0..places.len().div_ceil(CHUNK)).into_par_iter().map(|c| self.histogram(&own, places.len(), c)).collect();
         let mut histogram = vec![0.0; views * self.cells];
         for chunk in chunks {
             histogram.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += value);
@@ -286,21 +338,21 @@ impl<'a> Descent<'a> {
         rms.iter().zip(&self.scales).map(|(rms, scale)| (rms / scale).powi(2)).sum()
     }
 
-    /// The fine histogram of one chunk of elements: each pair's weight split between the two
-    /// nearest cells.
-    fn histogram(&self, places: &[Point], chunk: usize) -> Vec<f64> {
+    /// The fine histogram of one chunk of the block's `count` elements: each pair's weight split
+    /// between the two nearest cells.
+    fn histogram(&self, own: &[Body], count: usize, chunk: usize) -> Vec<f64> {
         let mut histogram = vec![0.0; self.scene.views.len() * self.cells];
         let per_cell = 1.0 / self.cell;
-        for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(places.len()) {
+        for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
             for (v, histogram) in histogram.chunks_exact_mut(self.cells).enumerate() {
-                for pair in &self.pairs[i][v] {
-                    let (place, radius) = self.partner(places, v, pair.partner as usize);
-                    let distance = place.distance(places[i]) / self.scene.unit;
-                    let at = self.scene.metric.value(distance, self.radii[i], radius) * per_cell;
+                let (pairs, bodies) = if v == 0 { (&self.once[i], own) } else { (&self.pairs[i][v], &*self.bodies[v]) };
+                for pair in pairs {
+                    let other = &bodies[pair.partner as usize];
+                    let distance = other.place.distance(own[i].place);
+                    let at = self.scene.metric.value(distance, own[i].radius, other.radius) * per_cell;
                     let cell = at as usize;
                     if cell + 1 < self.cells {
-                        let weight = f64::from(pair.weight);
-                        let share = at - cell as f64;
+                        let (weight, share) = (f64::from(pair.weight), at - cell as f64);
                         histogram[cell] += weight * (1.0 - share);
                         histogram[cell + 1] += weight * share;
                     }
@@ -308,15 +360,6 @@ impl<'a> Descent<'a> {
             }
         }
         histogram
-    }
-
-    fn partner(&self, places: &[Point], v: usize, number: usize) -> (Point, f64) {
-        if v == 0 && number < places.len() {
-            return (places[number], self.radii[number]);
-        }
-        let number = if v == 0 { number - places.len() } else { number };
-        let partner = &self.patch.partners(v).list()[number];
-        (partner.place, partner.radius)
     }
 
     /// The kernel sum at every place of the axis.
@@ -358,29 +401,31 @@ impl<'a> Descent<'a> {
     /// points it is T's.
     fn directions(&self, places: &[Point], state: &State) -> Vec<Point> {
         let tables: Vec<Vec<f64>> = (0..state.errors.len()).map(|v| self.pull(&state.errors[v], v)).collect();
-        (0..places.len()).into_par_iter().map(|i| self.direction(i, places, &tables)).collect()
+        let own = self.own_bodies(places);
+        (0..places.len()).into_par_iter().map(|i| self.direction(i, (places[i], &own), &tables)).collect()
     }
 
-    fn direction(&self, i: usize, places: &[Point], tables: &[Vec<f64>]) -> Point {
+    fn direction(&self, i: usize, (place, own): (Point, &[Body]), tables: &[Vec<f64>]) -> Point {
         let (mut sum, mut absolute) = (Point::default(), 0.0);
+        let (clearance, per_cell) = (self.clearance[i] / self.scene.unit, 1.0 / self.cell);
         for (v, table) in tables.iter().enumerate() {
+            let bodies = if v == 0 { own } else { &self.bodies[v] };
             for pair in &self.pairs[i][v] {
-                let (place, radius) = self.partner(places, v, pair.partner as usize);
-                let offset = places[i] - place;
+                let other = &bodies[pair.partner as usize];
+                let offset = own[i].place - other.place;
                 let distance = offset.norm();
                 // Beyond the border there is nobody to pull back: only partners whose mirror
                 // image, seen from here, lies in the domain too are balanced.
-                if distance > self.clearance[i] && !self.scene.domain.contains(places[i] + offset) {
+                if distance > clearance && !self.scene.domain.contains(place + offset * self.scene.unit) {
                     continue;
                 }
-                let scaled = distance / self.scene.unit;
-                let at = self.scene.metric.value(scaled, self.radii[i], radius) / self.cell;
+                let at = self.scene.metric.value(distance, own[i].radius, other.radius) * per_cell;
                 let cell = at as usize;
                 if cell + 1 >= self.cells {
                     continue;
                 }
                 let share = at - cell as f64;
-                let slope = self.scene.metric.slope(scaled, self.radii[i], radius);
+                let slope = self.scene.metric.slope(distance, own[i].radius, other.radius);
                 let pull = (table[cell] * (1.0 - share) + table[cell + 1] * share) * f64::from(pair.weight);
                 let away = if distance > 0.0 { offset * (1.0 / distance) } else { self.any_direction(i, pair.partner) };
                 sum = sum + away * (pull * slope);

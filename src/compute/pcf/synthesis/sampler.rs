@@ -36,6 +36,8 @@ pub(super) struct Block {
     /// ∫ density over the block's room, in m².
     pub(super) mass: f64,
     cells: Vec<Cell>,
+    /// The smallest rectangle around its cells.
+    pub(super) bounds: Bounds,
 }
 
 /// A cell of the grid search.
@@ -77,7 +79,9 @@ impl<'a> Sampler<'a> {
                 cell.cumulative = mass;
             }
             let cells: Vec<Cell> = cells.into_iter().map(|(cell, _)| cell).collect();
-            Block { colour: bx % 2 + 2 * (by % 2), mass, cells }
+            let corners = cells.iter().flat_map(|c| [c.corner, c.corner + Point::new(side, side)]);
+            let bounds = Bounds::of(corners).unwrap_or(bounds);
+            Block { colour: bx % 2 + 2 * (by % 2), mass, cells, bounds }
         };
         let blocks: Vec<Block> = (0..block_columns * block_rows).into_par_iter().map(block).collect();
         sampler.blocks = blocks.into_iter().filter(|b| b.mass > 0.0).collect();
@@ -86,8 +90,7 @@ impl<'a> Sampler<'a> {
 
     /// The block that `p` lies in; the nearest block's number when it lies in none.
     pub(super) fn block_of(&self, p: Point) -> usize {
-        let far =
-            |b: &usize| self.block_bounds(&self.blocks[*b]).map_or(f64::INFINITY, |bounds| distance_sq(&bounds, p));
+        let far = |b: &usize| distance_sq(&self.blocks[*b].bounds, p);
         (0..self.blocks.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0)
     }
 
@@ -136,12 +139,6 @@ impl<'a> Sampler<'a> {
             let p = cell.corner + Point::new(random.unit(), random.unit()) * self.side;
             accepts(&p, random.unit()).then_some(p)
         })
-    }
-
-    /// The smallest rectangle around a block's cells.
-    pub(super) fn block_bounds(&self, block: &Block) -> Option<Bounds> {
-        let bounds = Bounds::of(block.cells.iter().map(|c| c.corner))?;
-        Some(Bounds::new(bounds.min, bounds.max + Point::new(self.side, self.side)))
     }
 
     /// Whether an element may lie at `p`.

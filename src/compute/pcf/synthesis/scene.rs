@@ -85,19 +85,21 @@ impl<'a> Scene<'a> {
         let curves = analysis.curves.iter().filter(|c| c.child == class);
         let axis = analysis.curves.iter().find(|c| c.child == class).map_or_else(Axis::default, |c| c.axis);
         let sparse = Sparse::of(axis);
+        let rows = KernelRows::new(sparse.axis);
         let view = |target: &'a Curve| {
             let same = target.parent == class;
             let others: Vec<f64> = if same { own.clone() } else { radii_of(placed, target.parent).collect() };
             let mass = expected_mass(analysis.metric, &axis, (&own, &others, same), unit);
             let density = (others.len() as f64 - f64::from(u8::from(same))) * unit * unit / domain.area();
-            let mut partners = Partners::new(domain.bounds(), unit);
-            for e in placed.iter().filter(|e| e.class == target.parent) {
+            let partner = |e: &Element| {
                 let weight = intensity.weight(e.centre);
-                partners.push(Partner { place: e.centre, radius: e.radius / unit, weight });
-            }
+                Partner { place: e.centre, radius: e.radius / unit, weight }
+            };
+            let partners = placed.iter().filter(|e| e.class == target.parent).map(partner).collect();
+            let partners = Partners::new(partners, domain.bounds(), unit);
             let factors = curve::factors(&mass, density);
             let reverse = curve::factors(&mass, own.len() as f64 * unit * unit / domain.area());
-            let goal = Goal::new(target, (&factors, &reverse), &sparse);
+            let goal = Goal::new(target, (&factors, &reverse), (&sparse, &rows));
             let triplet_weights =
                 triplet_weights(target, &sparse, if same { 1.0 } else { others.len() as f64 / own.len() as f64 });
             View { target, factors, mass, partners, goal, triplet_weights, borders: Vec::new() }
@@ -117,7 +119,7 @@ impl<'a> Scene<'a> {
             count: own.len(),
             closest: 0.5 * summary.closest * scale,
             squares: Kernel::new(axis).squared(),
-            rows: KernelRows::new(sparse.axis),
+            rows,
             sparse,
             largest_radius: own.iter().copied().fold(0.0, f64::max) / unit,
         };

@@ -7,13 +7,17 @@
 
 use super::filling::Filling;
 use super::partners::Partner;
+use super::patch::Individual;
 use super::patch::Patch;
+use super::scene::View;
+use super::trial::Rows;
 use super::trial::Trial;
 use crate::compute::geometry::Point;
 use crate::compute::pcf::Metric;
 use crate::compute::pcf::PcfError;
 use crate::compute::random::Stream;
 use crate::compute::run::Run;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Places near the old one that are tried: standard deviations of the step in r_max.
@@ -26,25 +30,39 @@ const DRAWS: usize = 6;
 /// parents are small, places drawn anywhere seldom hit one.
 const NEAR_PARENTS: usize = 20;
 
-/// Settles every element of `patch` once, in random order; gives how many moved. Errors count by
-/// their share of `scales`: one a curve, one a row of triplets.
+/// The most elements whose best places are looked for at one time, before any of them moves.
+const MOST_AT_ONCE: usize = 16;
+
+/// Of this many elements one is looked at at one time, so that what is found mostly still holds.
+const ELEMENTS_EACH: usize = 32;
+
+/// Settles every element of `patch` once, in random order; gives how many moved. `individuals`
+/// are what the elements see; errors count by their share of `scales`: one a curve, one a row of
+/// triplets.
 pub(super) fn settle(
     patch: &mut Patch<'_>,
-    scales: (&[f64], &[f64]),
+    (individuals, scales): (&[Individual], (&[f64], &[f64])),
     mut random: Stream,
     run: &Run,
 ) -> Result<usize, PcfError> {
     let mut order: Vec<usize> = (0..patch.places.len()).collect();
     random.shuffle(&mut order);
-    let mut settling = Settling::new(patch, scales);
-    for i in order {
+    let mut settling = Settling::new(patch, individuals, scales);
+    let mut moved = 0;
+    for batch in order.chunks((order.len() / ELEMENTS_EACH).clamp(1, MOST_AT_ONCE)) {
         run.check()?;
-        let choices = choices(patch, i, &mut random);
-        settling.settle(i, &choices);
+        let choices: Vec<(usize, Vec<Point>)> = batch.iter().map(|i| (*i, choices(patch, *i, &mut random))).collect();
+        let wishes = settling.wishes(&choices);
+        let mut moved_here = 0;
+        for ((i, choices), wish) in choices.iter().zip(wishes) {
+            let choices = if moved_here == 0 { wish.as_slice() } else { choices };
+            if wish.is_some() && settling.settle(*i, choices) == Settled::Moved {
+                moved_here += 1;
+            }
+        }
+        moved += moved_here;
     }
-    let places = settling.places();
-    let moved = places.iter().zip(&patch.places).filter(|(new, old)| new != old).count();
-    patch.places = places;
+    patch.places = settling.places();
     Ok(moved)
 }
 
@@ -90,26 +108,43 @@ const FREE: f64 = 0.3;
 /// The most an excess counts.
 const MOST_EXCESS: f64 = 1.0;
 
+/// What became of an element that was to settle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Settled {
+    /// Another place is better.
+    Moved,
+    /// Its own place is the best.
+    Stayed,
+    /// All places are too near another of the class.
+    Homeless,
+}
+
 /// A complete block whose elements can be moved one at a time.
 pub(super) struct Settling<'a> {
     patch: &'a Patch<'a>,
     filling: Filling,
-    trials: [Trial<'a>; 2],
-    /// What a squared error weighs: of each curve, of each row of triplets.
-    weights: (Vec<f64>, Vec<f64>),
+    chooser: Chooser<'a>,
+    /// What a squared error weighs.
+    weights: Rows,
 }
 
 impl<'a> Settling<'a> {
-    /// The block of `patch`, errors measured by their share of `scales`.
-    pub(super) fn new(patch: &'a Patch<'a>, (curves, triplets): (&[f64], &[f64])) -> Self {
-        let weights = |scales: &[f64]| scales.iter().map(|s| 1.0 / (s * s)).collect();
-        let filling = Filling::complete(patch);
-        Self {
-            patch,
-            filling,
-            trials: [Trial::new(patch), Trial::new(patch)],
-            weights: (weights(curves), weights(triplets)),
-        }
+    /// The block of `patch`, whose elements see `individuals`; errors are measured by their share
+    /// of the scales, one a curve and one a row of triplets.
+    pub(super) fn new(patch: &'a Patch<'a>, individuals: &[Individual], (curves, triplets): (&[f64], &[f64])) -> Self {
+        let scene = patch.scene;
+        let bins = scene.sparse.bins() as f64;
+        let views = || scene.views.iter().enumerate();
+        let of_curve = |(v, _): (usize, &View<'_>)| {
+            let weight = 1.0 / (curves[v] * curves[v] * bins);
+            scene.rows.aligned((0..scene.sparse.bins()).map(|_| weight))
+        };
+        let of_triplets = |(v, view): (usize, &View<'_>)| {
+            let weight = scene.triplet_share(v) / (triplets[v] * triplets[v] * bins);
+            scene.rows.aligned(view.triplet_weights.iter().map(|inverse| inverse * weight))
+        };
+        let weights = Rows { curves: views().map(of_curve).collect(), triplets: views().map(of_triplets).collect() };
+        Self { patch, filling: Filling::complete(patch, individuals), chooser: Chooser::new(patch), weights }
     }
 
     /// The places of all elements.
@@ -117,70 +152,80 @@ impl<'a> Settling<'a> {
         self.filling.inner.list().iter().map(|p| p.place).collect()
     }
 
-    /// Moves element `i` to the best of its own place and `choices`, ties to the first; `false`
-    /// when all of them are too near another of the class, and it stays.
-    pub(super) fn settle(&mut self, i: usize, choices: &[Point]) -> bool {
-        let old = self.filling.inner.list()[i];
-        self.withdraw(i, &old);
-        let half = choices.len() / 2;
-        let (patch, filling, weights) = (self.patch, &self.filling, &self.weights);
-        let best_of = |trial: &mut Trial<'a>, places: &[Point], start: Option<Point>| {
-            let (mut best, mut least) = (None, f64::INFINITY);
-            for p in start.iter().chain(places) {
-                if trial.see((*p, old.radius), filling) {
-                    let error = distance(trial, (patch, filling), weights);
-                    if error < least {
-                        (best, least) = (Some(*p), error);
-                    }
-                }
-            }
-            (best, least)
+    /// For each of some elements, where among its choices it had better be as things stand; `None`
+    /// for its own place.
+    fn wishes(&self, choices: &[(usize, Vec<Point>)]) -> Vec<Option<Point>> {
+        let wish = |chooser: &mut Chooser<'a>, (i, choices): &(usize, Vec<Point>)| {
+            let best = chooser.best((&self.filling, &self.weights), *i, choices)?;
+            (best != self.filling.inner.list()[*i].place).then_some(best)
         };
-        let [one, other] = &mut self.trials;
-        let (first, second) =
-            rayon::join(|| best_of(one, &choices[..half], Some(old.place)), || best_of(other, &choices[half..], None));
-        let best = if second.1 < first.1 { second.0 } else { first.0 };
-        self.put(i, Partner { place: best.unwrap_or(old.place), ..old });
-        best.is_some()
+        choices.par_iter().map_init(|| Chooser::new(self.patch), wish).collect()
     }
 
-    fn withdraw(&mut self, i: usize, old: &Partner) {
-        self.filling.inner.hide(i);
-        self.trials[0].show((i, old), -1.0, &mut self.filling);
-        self.trials[0].see((old.place, old.radius), &self.filling);
-        self.trials[0].add_to_sums(-1.0, &mut self.filling);
+    /// Moves element `i` to the best of its own place and `choices`, ties to the first.
+    pub(super) fn settle(&mut self, i: usize, choices: &[Point]) -> Settled {
+        let old = self.filling.inner.list()[i];
+        match self.chooser.best((&self.filling, &self.weights), i, choices) {
+            None => Settled::Homeless,
+            Some(place) if place == old.place => Settled::Stayed,
+            Some(place) => {
+                self.put(i, &old, place);
+                Settled::Moved
+            }
+        }
     }
 
-    fn put(&mut self, i: usize, new: Partner) {
-        let scene = self.patch.scene;
-        let new = Partner { weight: scene.intensity.weight(new.place), ..new };
-        self.trials[0].see((new.place, new.radius), &self.filling);
-        self.trials[0].add((i, &new), &mut self.filling);
-        self.filling.borders[i] = scene.border_table(new.place, self.patch.reach_of(new.radius, &self.filling.inner));
+    /// Moves element `i`, which the chooser has taken out, from `old` to `place`.
+    fn put(&mut self, i: usize, old: &Partner, place: Point) {
+        let (scene, trial) = (self.patch.scene, &mut self.chooser.trial);
+        let new = Partner { place, weight: scene.intensity.weight(place), ..*old };
+        for (partner, times) in [(old, -1.0), (&new, 1.0)] {
+            trial.see_all((partner.place, partner.radius), &self.filling);
+            trial.add_to_sums(times, &mut self.filling);
+        }
+        trial.show((i, old), -1.0, &mut self.filling);
         self.filling.inner.put(i, new);
+        trial.show((i, &new), 1.0, &mut self.filling);
+        self.filling.curves[i] = trial.own_curve();
+        self.filling.borders[i] = scene.border_table(place, self.patch.reach_of(new.radius, &self.filling.inner));
     }
 }
 
-/// Σ of squared errors of all curves and triplets with the candidate of `trial`.
-fn distance(
-    trial: &Trial<'_>,
-    (patch, filling): (&Patch<'_>, &Filling),
-    (curves, triplets): &(Vec<f64>, Vec<f64>),
-) -> f64 {
-    let per_element = 1.0 / filling.sums.placed.max(1) as f64;
-    let mut sum = (trial.outside() - FREE).clamp(0.0, MOST_EXCESS) * OUTSIDE_WEIGHT * per_element;
-    for (v, view) in patch.scene.views.iter().enumerate() {
-        let goal = &view.goal;
-        let curve =
-            |bin: usize| ((filling.sums.sums[v][bin] + trial.curve_at(v, bin)) * per_element - goal.mean[bin]).powi(2);
-        let of_curve: f64 = (0..goal.mean.len()).map(curve).sum();
-        let triplet = |(bin, weight): (usize, &f64)| {
-            let mean = (filling.sums.triplets[v][bin] + trial.triplets_at(v, bin)) * per_element;
-            (mean - goal.triplets[bin]).powi(2) * weight
-        };
-        let of_triplets: f64 = view.triplet_weights.iter().enumerate().map(triplet).sum();
-        let bins = goal.mean.len().max(1) as f64;
-        sum += (of_curve * curves[v] + of_triplets * triplets[v] * patch.scene.triplet_share(v)) / bins;
+/// Finds the best place for an element of a block.
+struct Chooser<'a> {
+    trial: Trial<'a>,
+    /// How far the block is from its goals without the element.
+    errors: Rows,
+}
+
+impl<'a> Chooser<'a> {
+    fn new(patch: &'a Patch<'a>) -> Self {
+        let rows = || patch.scene.views.iter().map(|_| patch.scene.rows.zeros()).collect();
+        Self { trial: Trial::new(patch), errors: Rows { curves: rows(), triplets: rows() } }
     }
-    sum
+
+    /// The best place for element `i`, its own the first of the choices; none when all are too
+    /// near another of the class.
+    fn best(&mut self, (filling, weights): (&Filling, &Rows), i: usize, choices: &[Point]) -> Option<Point> {
+        let (old, count) = (filling.inner.list()[i], filling.sums.placed);
+        self.trial.take_out(i, filling);
+        let free = self.trial.see_all((old.place, old.radius), filling);
+        self.trial.errors_without(&mut self.errors, (&filling.sums, count));
+        let mut best = free.then(|| (old.place, self.error(weights, count)));
+        for p in choices {
+            if self.trial.see((*p, old.radius), filling) {
+                let error = self.error(weights, count);
+                if best.is_none_or(|(_, least)| error < least) {
+                    best = Some((*p, error));
+                }
+            }
+        }
+        best.map(|(place, _)| place)
+    }
+
+    /// By how much the last candidate raises the squared errors of a block of `count` elements.
+    fn error(&self, weights: &Rows, count: usize) -> f64 {
+        let outside = (self.trial.outside() - FREE).clamp(0.0, MOST_EXCESS) * OUTSIDE_WEIGHT;
+        outside / count as f64 + self.trial.growth_of(&self.errors, weights, count)
+    }
 }

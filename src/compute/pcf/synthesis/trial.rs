@@ -1,7 +1,14 @@
+use super::absence::Absence;
+use super::absence::for_each_seeing;
 use super::border_table::BorderTable;
 use super::filling::BlockSums;
 use super::filling::Filling;
+use super::goal::Bounds;
 use super::kernel_rows::KernelRows;
+use super::kernel_rows::LANES;
+use super::kernel_rows::add;
+use super::kernel_rows::add_products;
+use super::kernel_rows::add_squares;
 use super::partners::Partner;
 use super::partners::Partners;
 use super::patch::Patch;
@@ -11,35 +18,41 @@ use crate::compute::pcf::RELATIVE_FLOOR;
 /// The error of a candidate whose centre is nearer to another than allowed.
 pub(super) const BARRED: f64 = f64::INFINITY;
 
-/// Tries elements in a block: an error after T eq. 3.13.
+/// Tries elements in a block: an error after T eq. 3.13. All rows are aligned.
 pub(super) struct Trial<'a> {
     patch: &'a Patch<'a>,
     kernel: &'a KernelRows,
-    /// Kernel sums of the last candidate, one row a view; of its own class without the block.
-    rows: Vec<Vec<f64>>,
-    /// What the block's own elements add to the first of them.
-    inner: Vec<f64>,
-    /// What each of them sees of the candidate, summed.
-    back: Vec<f64>,
+    /// Who is not there meanwhile.
+    absence: Absence,
+    /// Kernel sums of the last candidate, one row a view.
+    rows: Vec<Vec<f32>>,
+    /// What each of the block's elements sees of the candidate, summed.
+    back: Vec<f32>,
     /// Σ of squared terms of the candidate and its own class.
-    same: Vec<f64>,
+    same: Vec<f32>,
     /// Σ over the block's elements of their curve times the candidate's term; in the other views
     /// the same over the partners and what they see of the class.
-    crossed: Vec<Vec<f64>>,
+    crossed: Vec<Vec<f32>>,
+    /// What the candidate adds to the sums of individual curves, one row a view.
+    curves: Vec<Vec<f32>>,
+    /// What it adds to the sums of triplets.
+    triplets: Vec<Vec<f32>>,
 }
 
 impl<'a> Trial<'a> {
     pub(super) fn new(patch: &'a Patch<'a>) -> Self {
-        let zeros = || vec![0.0; patch.scene.sparse.bins()];
-        let rows = || patch.scene.views.iter().map(|_| zeros()).collect();
+        let kernel = &patch.scene.rows;
+        let rows = || patch.scene.views.iter().map(|_| kernel.zeros()).collect();
         Self {
             patch,
-            kernel: &patch.scene.rows,
+            kernel,
+            absence: Absence::default(),
             rows: rows(),
-            inner: zeros(),
-            back: zeros(),
-            same: zeros(),
+            back: kernel.zeros(),
+            same: kernel.zeros(),
             crossed: rows(),
+            curves: rows(),
+            triplets: rows(),
         }
     }
 
@@ -58,9 +71,12 @@ impl<'a> Trial<'a> {
             if v > 0 {
                 self.see_parent(v, (p, radius), (&border, &filling.seen[v]));
             }
-            let (of_view, out) = self.errors_of(v, &filling.sums);
-            growth += of_view / views as f64 + scene.triplet_share(v) * self.triplet_growth(v, &filling.sums);
-            outside = outside.max(out);
+            growth += self.growth(v, &filling.sums) / views as f64
+                + scene.triplet_share(v) * self.triplet_growth(v, &filling.sums);
+            outside = outside.max(self.above(v));
+            if v > 0 {
+                outside = outside.max(self.below(v));
+            }
             if outside > bound {
                 break;
             }
@@ -70,47 +86,57 @@ impl<'a> Trial<'a> {
 
     /// Sums over the candidate's own class; `false` when it comes too near one of it.
     fn see_own(&mut self, (p, radius): (Point, f64), border: &BorderTable, filling: &Filling) -> bool {
-        let (scene, kernel, bins) = (self.patch.scene, self.kernel, self.patch.scene.sparse.bins());
+        let (scene, kernel) = (self.patch.scene, self.kernel);
         let extent = kernel.reach(scene.sparse.axis.extent);
-        [&mut self.rows[0], &mut self.inner, &mut self.back, &mut self.same, &mut self.crossed[0]]
-            .into_iter()
-            .for_each(|r| r.fill(0.0));
+        let Self { rows, back, same, crossed, absence, .. } = self;
+        let (row, crossed) = (&mut rows[0], &mut crossed[0]);
+        [&mut *row, &mut *back, &mut *same, &mut *crossed].into_iter().for_each(|r| r.fill(0.0));
         let (mut barred, own_weight) = (false, scene.intensity.weight(p));
         let mut term = |partner: &Partner| {
             let distance = partner.place.distance(p) / scene.unit;
             barred |= distance * scene.unit < scene.closest;
             let place = scene.metric.value(distance, radius, partner.radius);
-            let pair = || (kernel.around(place, bins), border.at(distance) * partner.weight, distance);
+            let pair = || (kernel.around(place), (border.at(distance) * partner.weight) as f32, distance);
             (place <= extent).then(pair)
         };
-        let far = |partners: &Partners| scene.reach(partners, radius, extent) * scene.unit;
+        let far = |partners: &Partners| (scene.reach(partners, radius, extent) * scene.unit).max(scene.closest);
         let context = self.patch.partners(0);
         context.for_each_near(p, far(context), |_, partner| {
             let Some(((first, kernel), weight, _)) = term(partner) else { return };
-            for (k, value) in kernel.iter().enumerate() {
-                self.rows[0][first + k] += weight * value;
-                self.same[first + k] += (weight * value) * (weight * value);
-            }
+            add(&mut row[first..], kernel, weight);
+            add_squares(&mut same[first..], kernel, weight);
         });
         filling.inner.for_each_near(p, far(&filling.inner), |j, partner| {
-            let Some(((first, kernel), weight, distance)) = term(partner) else { return };
-            let back = filling.borders[j].at(distance) * own_weight;
-            let curve = &filling.curves[j][first..];
-            for (k, value) in kernel.iter().enumerate() {
-                let add = weight * value;
-                self.inner[first + k] += add;
-                self.same[first + k] += add * add;
-                self.back[first + k] += back * value;
-                self.crossed[0][first + k] += back * value * curve[k];
+            if absence.element == Some(j) {
+                return;
             }
+            let Some(((first, kernel), weight, distance)) = term(partner) else { return };
+            let back_weight = (filling.borders[j].at(distance) * own_weight) as f32;
+            add(&mut row[first..], kernel, weight);
+            add_squares(&mut same[first..], kernel, weight);
+            add(&mut back[first..], kernel, back_weight);
+            let curve = absence.row(0, j, &filling.curves[j]);
+            add_products(&mut crossed[first..], (kernel, &curve[first..]), back_weight);
         });
+        self.finish_own();
         !barred
     }
 
+    /// What the candidate adds to the sums of its own class: its own curve and what the others
+    /// see of it; its own triplets, and those of the elements that get one partner more.
+    fn finish_own(&mut self) {
+        let factors = &self.patch.scene.views[0].goal.factors;
+        for at in self.kernel.axis() {
+            let (sum, factor) = (self.rows[0][at], factors[at]);
+            self.curves[0][at] = (sum + self.back[at]) * factor;
+            self.triplets[0][at] = (sum * sum - self.same[at]) * factor * factor + 2.0 * self.crossed[0][at] * factor;
+        }
+    }
+
     /// Sums over a parent class, and over what its elements see of the class.
-    fn see_parent(&mut self, v: usize, (p, radius): (Point, f64), (border, seen): (&BorderTable, &[Vec<f64>])) {
-        let (scene, kernel, bins) = (self.patch.scene, self.kernel, self.patch.scene.sparse.bins());
-        let (row, crossed) = (&mut self.rows[v], &mut self.crossed[v]);
+    fn see_parent(&mut self, v: usize, (p, radius): (Point, f64), (border, seen): (&BorderTable, &[Vec<f32>])) {
+        let (scene, kernel) = (self.patch.scene, self.kernel);
+        let (row, crossed, absence) = (&mut self.rows[v], &mut self.crossed[v], &self.absence);
         let (extent, view, own_weight) =
             (kernel.reach(scene.sparse.axis.extent), &scene.views[v], scene.intensity.weight(p));
         row.fill(0.0);
@@ -122,32 +148,37 @@ impl<'a> Trial<'a> {
             if place > extent {
                 return;
             }
-            let (first, kernel) = kernel.around(place, bins);
-            let weight = border.at(distance) * partner.weight;
-            for (value, k) in row[first..].iter_mut().zip(kernel) {
-                *value += weight * k;
-            }
+            let (first, kernel) = kernel.around(place);
+            add(&mut row[first..], kernel, (border.at(distance) * partner.weight) as f32);
             if let Some(sees) = seen.get(j).filter(|s| !s.is_empty()) {
-                let weight = view.borders[j].at(distance) * own_weight;
-                for (k, value) in kernel.iter().enumerate() {
-                    crossed[first + k] += weight * value * sees[first + k];
-                }
+                let weight = (view.borders[j].at(distance) * own_weight) as f32;
+                let sees = absence.row(v, j, sees);
+                add_products(&mut crossed[first..], (kernel, &sees[first..]), weight);
             }
         });
+        self.finish_parent(v);
     }
 
-    /// What the candidate adds to the block's triplets at a place: its own and those of the
-    /// elements that get one partner more; around parents those it is an end of, counted from
-    /// both ends.
-    pub(super) fn triplets_at(&self, v: usize, bin: usize) -> f64 {
+    /// What the candidate adds to the sums of a parent's view: its own curve; around the
+    /// parents those triplets it is an end of, counted from both ends.
+    fn finish_parent(&mut self, v: usize) {
         let view = &self.patch.scene.views[v];
-        if v > 0 {
-            let factor = view.goal.reverse[bin];
-            return 2.0 * self.crossed[v][bin] * factor * factor * view.per_child(false, self.patch.scene.count);
+        let both_ends = 2.0 * view.per_child(false, self.patch.scene.count) as f32;
+        for at in self.kernel.axis() {
+            let reverse = view.goal.reverse[at];
+            self.curves[v][at] = self.rows[v][at] * view.goal.factors[at];
+            self.triplets[v][at] = both_ends * self.crossed[v][at] * reverse * reverse;
         }
-        let factor = view.goal.factors[bin];
-        let sum = (self.rows[0][bin] + self.inner[bin]) * factor;
-        sum * sum - self.same[bin] * factor * factor + 2.0 * self.crossed[0][bin] * factor
+    }
+
+    /// What the candidate adds to the block's triplets at a place.
+    fn triplets_at(&self, v: usize, bin: usize) -> f64 {
+        f64::from(self.triplets[v][self.kernel.axis().start + bin])
+    }
+
+    /// What the candidate adds to the sum of the individual curves of view `v` at a place.
+    fn curve_at(&self, v: usize, bin: usize) -> f64 {
+        f64::from(self.curves[v][self.kernel.axis().start + bin])
     }
 
     /// The growth of the distance of the block's triplets to their target, weighted by the
@@ -166,67 +197,126 @@ impl<'a> Trial<'a> {
         growth / view.goal.triplets.len().max(1) as f64
     }
 
-    /// For one view: the growth of the block's distance to its target curve, and how far the
-    /// candidate's own curve leaves the validity region (the second term of T eq. 3.13).
+    /// For one view: the growth of the block's distance to its target curve.
     ///
-    /// T's first term is the largest relative excess of the new mean curve. It sees only one
-    /// place of the axis, and neither what is still missing nor that a curve of few pairs is
-    /// rough. Ours is the growth of Σ_r (sum − expected)²·(density·M/target), each place
-    /// weighted by the inverse variance of independent pairs: negative when the candidate
+    /// T's first term of eq. 3.13 is the largest relative excess of the new mean curve. It sees
+    /// only one place of the axis, and neither what is still missing nor that a curve of few
+    /// pairs is rough. Ours is the growth of Σ_r (sum − expected)²·(density·M/target), each
+    /// place weighted by the inverse variance of independent pairs: negative when the candidate
     /// brings the pattern nearer its target, 1 or 2 in the mean when it neither helps nor harms.
-    fn errors_of(&self, v: usize, sums: &BlockSums) -> (f64, f64) {
-        let view = &self.patch.scene.views[v];
-        let (mut growth, mut outside) = (0.0, 0.0_f64);
-        for bin in 0..view.goal.factors.len() {
-            let factor = view.goal.factors[bin];
-            if factor == 0.0 {
-                continue;
-            }
-            let own = (self.rows[v][bin] + if v == 0 { self.inner[bin] } else { 0.0 }) * factor;
-            let target = view.goal.mean[bin];
-            let before = sums.sums[v][bin] - target * sums.expected(v, bin, sums.placed);
-            let after = sums.sums[v][bin] + self.curve_at(v, bin) - target * sums.expected(v, bin, sums.placed + 1);
-            growth += (after * after - before * before) / (factor * target.max(RELATIVE_FLOOR));
-            let upper = view.goal.upper[bin];
-            outside = outside.max((own - upper) / upper.max(RELATIVE_FLOOR));
-            if v > 0 {
-                let lower = view.goal.lower[bin];
-                outside = outside.max((lower - own) / lower.max(RELATIVE_FLOOR));
+    fn growth(&self, v: usize, sums: &BlockSums) -> f64 {
+        let (view, start) = (&self.patch.scene.views[v], self.kernel.axis().start);
+        let mut growth = 0.0;
+        for (bin, target) in view.goal.mean.iter().enumerate() {
+            let factor = f64::from(view.goal.factors[start + bin]);
+            if factor > 0.0 {
+                let before = sums.sums[v][bin] - target * sums.expected(v, bin, sums.placed);
+                let after = sums.sums[v][bin] + self.curve_at(v, bin) - target * sums.expected(v, bin, sums.placed + 1);
+                growth += (after * after - before * before) / (factor * target.max(RELATIVE_FLOOR));
             }
         }
-        (growth / view.goal.factors.len() as f64, outside)
+        growth / view.goal.mean.len() as f64
     }
 
-    /// Works out everything about an element of `radius` (r_max) at `p`: whether it may lie there.
+    /// Works out everything about an element of `radius` (r_max) at `p`; `false` when it may not
+    /// lie there, and not all is worked out.
     pub(super) fn see(&mut self, (p, radius): (Point, f64), filling: &Filling) -> bool {
         let border = self.patch.scene.border_table(p, self.patch.reach_of(radius, &filling.inner));
         let free = self.see_own((p, radius), &border, filling);
-        for v in 1..self.patch.scene.views.len() {
-            self.see_parent(v, (p, radius), (&border, &filling.seen[v]));
+        if free {
+            self.see_parents((p, radius), &border, filling);
         }
         free
+    }
+
+    /// The same, all of it even where the element may not lie.
+    pub(super) fn see_all(&mut self, (p, radius): (Point, f64), filling: &Filling) -> bool {
+        let border = self.patch.scene.border_table(p, self.patch.reach_of(radius, &filling.inner));
+        let free = self.see_own((p, radius), &border, filling);
+        self.see_parents((p, radius), &border, filling);
+        free
+    }
+
+    fn see_parents(&mut self, seen_from: (Point, f64), border: &BorderTable, filling: &Filling) {
+        for v in 1..self.patch.scene.views.len() {
+            self.see_parent(v, seen_from, (border, &filling.seen[v]));
+        }
+    }
+
+    /// Takes element `i` of the block out until another is.
+    pub(super) fn take_out(&mut self, i: usize, filling: &Filling) {
+        self.absence.take_out(i, (self.patch, filling));
     }
 
     /// How far the candidate's individual curves leave the validity region, as a share of the
     /// bound (the second term of T eq. 3.13), with both bounds on every curve.
     pub(super) fn outside(&self) -> f64 {
-        let mut outside = 0.0_f64;
-        for (v, view) in self.patch.scene.views.iter().enumerate() {
-            let goal = &view.goal;
-            for bin in 0..goal.mean.len() {
-                let own = (self.rows[v][bin] + if v == 0 { self.inner[bin] } else { 0.0 }) * goal.factors[bin];
-                let (lower, upper) = (goal.lower[bin], goal.upper[bin]);
-                outside = outside.max((own - upper) / upper.max(RELATIVE_FLOOR));
-                outside = outside.max((lower - own) / lower.max(RELATIVE_FLOOR));
-            }
-        }
-        outside
+        (0..self.rows.len()).map(|v| self.above(v).max(self.below(v))).fold(0.0, f64::max)
     }
 
-    /// What the candidate adds to the sum of the individual curves of view `v` at a place.
-    pub(super) fn curve_at(&self, v: usize, bin: usize) -> f64 {
-        let own = if v == 0 { self.inner[bin] + self.back[bin] } else { 0.0 };
-        (self.rows[v][bin] + own) * self.patch.scene.views[v].goal.factors[bin]
+    /// How far the candidate's curve of view `v` is above the validity region.
+    fn above(&self, v: usize) -> f64 {
+        let Bounds { above, .. } = &self.patch.scene.views[v].goal.bounds;
+        self.farthest(v, above)
+    }
+
+    /// The same below it.
+    fn below(&self, v: usize) -> f64 {
+        let Bounds { below, .. } = &self.patch.scene.views[v].goal.bounds;
+        self.farthest(v, below)
+    }
+
+    /// The most that slope·value + offset is, at least 0.
+    fn farthest(&self, v: usize, (slopes, offsets): &(Vec<f32>, Vec<f32>)) -> f64 {
+        let (row, slopes, offsets) = (self.lanes(&self.rows[v]), self.lanes(slopes), self.lanes(offsets));
+        let mut most = [0.0_f32; LANES];
+        for ((row, slopes), offsets) in row.iter().zip(slopes).zip(offsets) {
+            for lane in 0..LANES {
+                let excess = row[lane] * slopes[lane] + offsets[lane];
+                most[lane] = if excess > most[lane] { excess } else { most[lane] };
+            }
+        }
+        f64::from(most.into_iter().fold(0.0, f32::max))
+    }
+
+    /// The growth of Σ (error + added/`count`)²·weight over all places and views, curves and
+    /// triplets, when the candidate is added to a block of `count` elements.
+    pub(super) fn growth_of(&self, errors: &Rows, weights: &Rows, count: usize) -> f64 {
+        let share = 1.0 / count.max(1) as f32;
+        let growth = |added: &Vec<f32>, (errors, weights): (&Vec<f32>, &Vec<f32>)| {
+            let (added, errors, weights) = (self.lanes(added), self.lanes(errors), self.lanes(weights));
+            let mut sum = [0.0_f32; LANES];
+            for ((added, errors), weights) in added.iter().zip(errors).zip(weights) {
+                for lane in 0..LANES {
+                    let step = added[lane] * share;
+                    sum[lane] += (2.0 * errors[lane] + step) * step * weights[lane];
+                }
+            }
+            f64::from(sum.into_iter().sum::<f32>())
+        };
+        let curves = errors.curves.iter().zip(&weights.curves).zip(&self.curves).map(|(e, a)| growth(a, e));
+        let triplets = errors.triplets.iter().zip(&weights.triplets).zip(&self.triplets).map(|(e, a)| growth(a, e));
+        curves.chain(triplets).sum()
+    }
+
+    /// Writes to `errors` how far the means of a block with these sums are from their goals
+    /// without the last candidate, which is one of its `count` elements.
+    pub(super) fn errors_without(&self, errors: &mut Rows, (sums, count): (&BlockSums, usize)) {
+        let (share, start) = (1.0 / count.max(1) as f64, self.kernel.axis().start);
+        for (v, view) in self.patch.scene.views.iter().enumerate() {
+            for (bin, target) in view.goal.mean.iter().enumerate() {
+                let mean = (sums.sums[v][bin] - self.curve_at(v, bin)) * share;
+                errors.curves[v][start + bin] = (mean - target) as f32;
+            }
+            for (bin, target) in view.goal.triplets.iter().enumerate() {
+                let mean = (sums.triplets[v][bin] - self.triplets_at(v, bin)) * share;
+                errors.triplets[v][start + bin] = (mean - target) as f32;
+            }
+        }
+    }
+
+    fn lanes<'b>(&self, row: &'b [f32]) -> &'b [[f32; LANES]] {
+        row[self.kernel.lanes()].as_chunks::<LANES>().0
     }
 
     /// Adds the last candidate, seen in full, to the block as a new element.
@@ -234,18 +324,17 @@ impl<'a> Trial<'a> {
         let reach = self.patch.reach_of(partner.radius, &filling.inner);
         filling.borders.push(self.patch.scene.border_table(partner.place, reach));
         filling.curves.push(Vec::new());
-        filling.inner.push(Partner { place: partner.place, ..partner });
+        filling.inner.push(partner);
         filling.sums.placed += 1;
         let last = filling.curves.len() - 1;
-        self.add((last, &partner), filling);
+        self.add_to_sums(1.0, filling);
+        self.show((last, &partner), 1.0, filling);
+        filling.curves[last] = self.own_curve();
     }
 
-    /// Adds the last candidate, seen in full, as element `i` to the sums and to what others see.
-    pub(super) fn add(&self, (i, partner): (usize, &Partner), filling: &mut Filling) {
-        self.add_to_sums(1.0, filling);
-        self.show((i, partner), 1.0, filling);
-        let own = |bin: usize| (self.rows[0][bin] + self.inner[bin]) * self.patch.scene.views[0].goal.factors[bin];
-        filling.curves[i] = (0..self.inner.len()).map(own).collect();
+    /// The last candidate's curve towards its own class.
+    pub(super) fn own_curve(&self) -> Vec<f32> {
+        self.rows[0].iter().zip(&self.patch.scene.views[0].goal.factors).map(|(sum, factor)| sum * factor).collect()
     }
 
     /// Adds the last candidate `times` to the sums.
@@ -259,32 +348,26 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// Shows an element of the class `times` to its own class, but for itself, and to the parents.
-    pub(super) fn show(&self, (i, new): (usize, &Partner), times: f64, filling: &mut Filling) {
-        let (scene, factors) = (self.patch.scene, &self.patch.scene.views[0].goal.factors);
-        let (bins, extent) = (scene.sparse.bins(), self.kernel.reach(scene.sparse.axis.extent));
-        let term = |other: &Partner, weight: &dyn Fn(f64) -> f64| {
-            let distance = other.place.distance(new.place) / scene.unit;
-            let place = scene.metric.value(distance, new.radius, other.radius);
-            (place <= extent).then(|| (self.kernel.around(place, bins), weight(distance) * new.weight * times))
-        };
-        let Filling { inner, curves, seen, borders, .. } = filling;
-        inner.for_each_near(new.place, scene.reach(inner, new.radius, extent) * scene.unit, |j, other| {
-            if j == i {
-                return;
-            }
-            let Some(((first, kernel), weight)) = term(other, &|d| borders[j].at(d)) else { return };
-            for (k, value) in kernel.iter().enumerate() {
-                curves[j][first + k] += weight * value * factors[first + k];
+    /// Shows element `i` of the class `times` to its own class, but for itself, and to the parents.
+    pub(super) fn show(&self, (i, element): (usize, &Partner), times: f32, filling: &mut Filling) {
+        let (patch, factors) = (self.patch, &self.patch.scene.views[0].goal.factors);
+        let Filling { inner, borders, curves, seen, .. } = filling;
+        for_each_seeing(patch, (i, element), (inner, borders), |v, j, (first, kernel, weight)| {
+            if v > 0 {
+                if seen[v][j].is_empty() {
+                    seen[v][j] = self.kernel.zeros();
+                }
+                add(&mut seen[v][j][first..], kernel, times * weight);
+            } else {
+                add_products(&mut curves[j][first..], (kernel, &factors[first..]), times * weight);
             }
         });
-        for (view, seen) in scene.views.iter().zip(seen).filter(|(_, seen)| !seen.is_empty()) {
-            let reach = scene.reach(&view.partners, new.radius, extent) * scene.unit;
-            view.partners.for_each_near(new.place, reach, |j, parent| {
-                let Some(((first, kernel), weight)) = term(parent, &|d| view.borders[j].at(d)) else { return };
-                seen[j].resize(bins, 0.0);
-                seen[j][first..].iter_mut().zip(kernel).for_each(|(sum, value)| *sum += weight * value);
-            });
-        }
     }
+}
+
+/// Rows of curves and triplets, one a view.
+#[derive(Debug, Clone)]
+pub(super) struct Rows {
+    pub(super) curves: Vec<Vec<f32>>,
+    pub(super) triplets: Vec<Vec<f32>>,
 }
