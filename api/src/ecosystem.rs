@@ -441,17 +441,50 @@ pub struct PlaceInput {
     pub radius_m: Option<f64>,
 }
 
-/// Places where animals may pass although the terrain says otherwise.
+/// A way-point: a place that animals pass or walk to, such as a way out of the valley (L 7.2, T
+/// figure 5.15). It is a node of the Resource Access Graph that feeds nobody; slopes and vegetation
+/// are no obstacle there for any animal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WaypointInput {
+    /// East, metres: from the terrain's south-west corner, or in its coordinate system.
+    pub x: f64,
+    /// North, metres: from the terrain's south-west corner, or in its coordinate system.
+    pub y: f64,
+    /// Radius, metres. Default: one cell and a half.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius_m: Option<f64>,
+    /// The share of their moves that animals make to it, 0..=1; those of all way-points of a
+    /// region together draw at most a half. 0 draws nobody and only opens the place. Default: 0.1.
+    #[serde(default = "default_share")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub share: f64,
+    /// The animals of the request that it draws. Default: all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 100))]
+    pub species: Vec<String>,
+    /// What it is called in the outputs. Default: `way-point` and its number, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1, max = 100))]
+    pub name: Option<String>,
+}
+
+fn default_share() -> f64 {
+    0.1
+}
+
+/// Places where animals may pass although the terrain says otherwise, and places they walk to.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PassagesInput {
     /// Fords: water is crossed there whatever its depth.
     #[schemars(length(max = 10000))]
     pub fords: Vec<PlaceInput>,
-    /// Way-points: slopes and vegetation are no obstacle there (L 7.2).
+    /// Way-points, at most 100 of them with a share above 0.
     #[schemars(length(max = 10000))]
-    pub waypoints: Vec<PlaceInput>,
-    /// Confinement regions smaller than this are left empty, m². Default: 10 000 (the authors').
+    pub waypoints: Vec<WaypointInput>,
+    /// Confinement regions smaller than this are left empty, and what grows on less of a region
+    /// than this is left alone, m²: less for a close-up. Default: 10 000 (the authors').
     pub min_region_m2: Option<f64>,
 }
 

@@ -49,7 +49,8 @@ warning_codes! {
     PaintedBeyondResources = "PAINTED_BEYOND_RESOURCES", "More was painted than the resources bear.";
     DensityOutOfRange = "DENSITY_OUT_OF_RANGE", "An animal lives denser than ten times its living relative.";
     BiomassOutOfRange = "BIOMASS_OUT_OF_RANGE", "The carnivores' biomass is not 0.3 to 3 % of their prey's.";
-    HerdWaits = "HERD_WAITS", "Herds found no free node and waited.";
+    HerdWaits = "HERD_WAITS", "Herds waited, or missed what they need every day; the message says what and why.";
+    WaypointNotReached = "WAYPOINT_NOT_REACHED", "An animal cannot reach a way-point that is to draw it.";
     PlanningConflict = "PLANNING_CONFLICT", "An edit of a planning could not be kept.";
     HeightStep = "HEIGHT_STEP", "The smallest step of height is coarse.";
     FeetConverted = "FEET_CONVERTED", "The raster is in feet or another unit; it was converted to metres.";

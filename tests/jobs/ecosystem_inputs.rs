@@ -236,6 +236,20 @@ fn a_ford_beside_the_terrain_is_refused() {
 }
 
 #[test]
+fn a_way_point_off_the_map_or_for_strangers_is_refused() {
+    let set = |points: Value| with(|i| i["passages"] = json!({ "waypoints": points }));
+    let at = "/passages/waypoints/0";
+    assert_fault(set(json!([{"x": -20, "y": 10}])), at, "out-of-range");
+    assert_fault(set(json!([{"x": 20, "y": 10, "radius_m": -1}])), &format!("{at}/radius_m"), "out-of-range");
+    assert_fault(set(json!([{"x": 20, "y": 10, "share": 1.5}])), &format!("{at}/share"), "out-of-range");
+    let strangers = json!([{"x": 20, "y": 10, "species": ["Cervus elaphus", "Mammuthus"]}]);
+    assert_fault(set(strangers), &format!("{at}/species/1"), "unknown-species");
+    let many = |share: f64| set(json!(vec![json!({"x": 20, "y": 10, "share": share}); 101]));
+    assert_fault(many(0.1), "/passages/waypoints", "wrong-count");
+    assert_eq!(faults(many(0.0)), []);
+}
+
+#[test]
 fn all_faults_are_told_at_once() {
     let inputs = with(|i| {
         i["plants"][0]["species"] = json!("Nothing");

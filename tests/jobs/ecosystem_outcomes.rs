@@ -14,7 +14,10 @@ use biotope::storage::Store;
 use serde_json::Value;
 use serde_json::json;
 
+use crate::jobs::ecosystem_inputs::by_value;
 use crate::jobs::ecosystem_inputs::grid;
+use crate::jobs::ecosystem_inputs::month;
+use crate::jobs::ecosystem_inputs::slope;
 use crate::jobs::ecosystem_inputs::with;
 use crate::support::TestApp;
 
@@ -68,6 +71,121 @@ async fn a_request_without_species_gives_the_maps_of_the_land() {
     });
     let (summary, _) = solved(bare).await;
     assert_eq!((&summary["plants"], &summary["animals"], &summary["herds"]), (&json!([]), &json!([]), &json!(0)));
+}
+
+/// A meadow of a square kilometre where deer graze, with a deep pond in its south-west corner.
+fn meadow() -> Value {
+    let pond = grid(34, 34, |column, row| if column < 3 && row > 30 { 9.0 } else { 0.0 });
+    with(|i| {
+        i["terrain"]["source"] = grid(34, 34, |column, _| 100.0 + 0.1 * column as f64);
+        i["maps"] = json!({ "water_depth_m": pond });
+        i["plants"] = json!([{"species": "Poaceae", "growth_kg_per_m2": 1.0}]);
+        i["animals"] = json!([{
+            "species": "Cervus elaphus", "group_size_min": 5, "group_size_max": 12, "max_density_per_km2": 60.0
+        }]);
+    })
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_way_point_is_in_the_graph_the_trails_and_the_plannings() {
+    let (x, y) = (975.0, 945.0);
+    let mut inputs = meadow();
+    inputs["passages"] = json!({"waypoints": [
+        {"x": x, "y": y, "name": "gate", "share": 0.3, "species": ["cervus elaphus"]},
+        {"x": 20, "y": 20, "radius_m": 20, "species": ["Cervus elaphus"]},
+    ]});
+    let app = TestApp::standard().await;
+    let (job, status) = app.finish("ecosystem", &json!({ "inputs": inputs })).await;
+    assert_eq!(status["status"], "successful", "{status}");
+    let rag = app.get(&format!("{job}/results/rag?f=json")).await.json();
+    let nodes = rag["nodes"].as_array().expect("nodes");
+    let passed: Vec<&Value> = nodes.iter().filter(|n| n["kind"] == "waypoint").collect();
+    assert_eq!(passed.len(), 1, "the other lies in the pond: {passed:?}");
+    let gate = passed[0];
+    assert_eq!((&gate["resource"], &gate["quantity"], &gate["draws"]), (&json!("gate"), &json!(0.0), &json!(0.3)));
+    assert_eq!((&gate["x"], &gate["y"]), (&json!(x), &json!(y)));
+    let edges = rag["edges"].as_array().expect("edges");
+    let ends = |end: &str| edges.iter().filter(|e| e[end] == gate["id"]).count();
+    assert!(ends("from") > 0 && ends("from") == ends("to"), "travel times both ways");
+    let lines = app.get(&format!("{job}/results/trails.lines?f=json")).await.json().to_string();
+    assert!(lines.contains(&format!("[{x:?},{y:?}]")), "a trail leads to the gate");
+    let days = app.get(&format!("{job}/results/plannings?f=json")).await.json();
+    let stays = days.as_array().expect("rows");
+    let passes = stays.iter().filter(|stay| stay["activity"] == "pass");
+    assert!(passes.clone().count() > 0 && passes.clone().all(|stay| stay["resource"] == "gate" && stay["x"] == x));
+    let warnings = app.get(&format!("{job}/results/warnings?f=json")).await.json().to_string();
+    assert!(warnings.contains("WAYPOINT_NOT_REACHED") && warnings.contains("/passages/waypoints/1"), "{warnings}");
+    assert!(!warnings.contains("/passages/waypoints/0"), "{warnings}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn herds_that_miss_a_drink_say_why_in_the_warning_and_in_their_planning() {
+    let mut inputs = meadow();
+    // Nobody has room to drink.
+    inputs["planning"] = json!({"m2_each": 200_000.0});
+    let app = TestApp::standard().await;
+    let (job, status) = app.finish("ecosystem", &json!({ "inputs": inputs })).await;
+    assert_eq!(status["status"], "successful", "{status}");
+    let why = "no place within reach holds the whole herd";
+    let warnings = app.get(&format!("{job}/results/warnings?f=json")).await.json().to_string();
+    assert!(warnings.contains("HERD_WAITS") && warnings.contains(&format!("drink as often as they should: {why}")));
+    let days = app.get(&format!("{job}/results/plannings?f=json")).await.json();
+    let said = days.as_array().expect("rows").iter().filter_map(|stay| stay["missed"].as_str());
+    assert!(said.clone().any(|missed| missed.contains(&format!("drink: {why}"))), "{days}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_request_far_from_nature_is_solved_and_warned_of() {
+    let mut inputs = meadow();
+    inputs["plants"][0]["growth_kg_per_m2"] = json!(60.0);
+    inputs["animals"][0]["max_density_per_km2"] = json!(5000.0);
+    inputs["animals"].as_array_mut().expect("animals").push(json!({
+        "species": "Canis mosbachensis", "group_size_min": 1, "food_kg_per_day": 0.05, "max_density_per_km2": 5000.0
+    }));
+    let (summary, warnings) = solved(inputs).await;
+    for code in ["DENSITY_OUT_OF_RANGE", "BIOMASS_OUT_OF_RANGE"] {
+        assert!(warnings.iter().any(|w| w["code"] == code), "{code}: {summary} {warnings:?}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_cannot_be_worked_with_is_a_problem_and_never_a_job() {
+    let zero = |i: &mut Value| i["animals"].as_array_mut().unwrap().iter_mut().for_each(|a| a["proportion"] = json!(0));
+    let eat = |i: &mut Value, who: usize, whom: &str| i["animals"][who]["diet"] = json!([{ "food": whom }]);
+    let wide = "ncols 40000\nnrows 40000\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3";
+    let bad: Vec<(&str, Value)> = vec![
+        ("no terrain", with(|i| drop(i.as_object_mut().unwrap().remove("terrain")))),
+        ("one cell", with(|i| i["terrain"]["source"] = grid(1, 1, slope))),
+        ("40,000² cells", with(|i| i["terrain"]["source"] = by_value(wide))),
+        ("all nodata", with(|i| i["terrain"]["source"] = grid(5, 5, |_, _| -9999.0))),
+        ("infinite heights", with(|i| i["terrain"]["source"] = grid(5, 5, |_, _| 1e39))),
+        ("a mask of another size", with(|i| i["maps"] = json!({"exclusion": grid(9, 10, |_, _| 0.0)}))),
+        ("an unknown species", with(|i| i["plants"][1]["species"] = json!("Quercsu"))),
+        ("min above max", with(|i| i["plants"][0]["moisture"] = json!({"min": 7, "max": 3}))),
+        ("negative mass", with(|i| i["animals"][0]["mass_kg"] = json!(-3))),
+        ("proportions that sum to zero", with(zero)),
+        (
+            "a cycle",
+            with(|i| {
+                eat(i, 0, "Canis mosbachensis");
+                eat(i, 1, "Cervus elaphus");
+            }),
+        ),
+        ("a missing prey", with(|i| eat(i, 1, "Mammuthus"))),
+        ("a latitude of 95", with(|i| i["terrain"]["latitude_deg"] = json!(95))),
+        ("eleven months", with(|i| i["climate"]["months"] = json!(vec![month(); 11]))),
+        ("a way-point off the map", with(|i| i["passages"] = json!({"waypoints": [{"x": -9, "y": 0}]}))),
+    ];
+    let app = TestApp::standard().await;
+    for (what, inputs) in bad {
+        let problem = app.execute("ecosystem", &json!({ "inputs": inputs }), &[]).await;
+        let problem = problem.assert_problem(400, "invalid-input");
+        let error = &problem["errors"][0];
+        for field in ["pointer", "code", "expected", "found"] {
+            assert!(error[field].as_str().is_some_and(|text| !text.is_empty()), "{what}: {problem}");
+        }
+    }
+    assert_eq!(app.get("/jobs").await.json()["jobs"], json!([]), "nothing was queued");
 }
 
 #[test]

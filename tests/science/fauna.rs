@@ -11,6 +11,8 @@ use biotope::compute::ecosystem::fauna::surplus_of_plant;
 use biotope::compute::ecosystem::rag::Node;
 use biotope::compute::ecosystem::rag::Resource;
 use biotope::compute::ecosystem::rag::Territory;
+use biotope::compute::ecosystem::rag::WayPoint;
+use biotope::compute::ecosystem::rag::reached;
 use biotope::compute::ecosystem::regions::Ground;
 use biotope::compute::ecosystem::regions::NOWHERE;
 use biotope::compute::ecosystem::regions::Passages;
@@ -45,6 +47,7 @@ struct World {
     plants: Vec<PlantSpecies>,
     animals: Vec<AnimalSpecies>,
     passages: Passages,
+    way_points: Vec<WayPoint>,
     options: FaunaOptions,
 }
 
@@ -67,6 +70,7 @@ impl World {
             plants: vec![plant("grass", Stratum::Herb)],
             animals: Vec::new(),
             passages: Passages::default(),
+            way_points: Vec::new(),
             options: FaunaOptions::default(),
         }
     }
@@ -120,6 +124,7 @@ impl World {
             plants: &self.plants,
             growth: &self.growth,
             animals: &self.animals,
+            way_points: &self.way_points,
         };
         let mut population = populate(&world, &self.options, &run).unwrap();
         let way = (self.ground(), &self.passages);
@@ -461,4 +466,44 @@ fn each_level_feeds_the_next_and_the_biomass_thins_out_towards_the_top() {
     let solved = World::meadow(Grid::new(100, 100, 30.0)).with_water(brook).with_animals(animals.clone()).solve();
     let mass: Vec<f64> = (0..3).map(|s| solved.population.total(s) as f64 * animals[s].mass_kg).collect();
     assert!(mass[0] > 5.0 * mass[1] && mass[1] > 5.0 * mass[2] && mass[2] > 0.0, "{mass:?}");
+}
+
+#[test]
+fn a_way_point_is_a_node_of_those_that_reach_it_and_feeds_nobody() {
+    let grid = Grid::new(60, 40, 20.0);
+    let river = |column: usize, _: usize| if (29..=31).contains(&column) { 2.0 } else { 0.0 };
+    let plain = World::meadow(grid).with_water(river).with_animals([
+        grazer("deer"),
+        grazer("goat"),
+        hunter("wolf", 2, &[0, 1]),
+    ]);
+    let at = |column: usize, row: usize| Place { centre: grid.centre(grid.index(column, row)), radius_m: 30.0 };
+    let way_point = |place: Place, species: &[usize]| WayPoint { place, share: 0.1, species: species.to_vec() };
+    let mut world = plain;
+    let before = world.solve();
+    world.way_points = vec![
+        way_point(at(57, 3), &[0]),
+        way_point(at(3, 37), &[]),
+        way_point(at(30, 20), &[]),
+        WayPoint { share: 0.0, ..way_point(at(5, 5), &[]) },
+    ];
+    let after = world.solve();
+    assert!((0..3).all(|s| before.population.total(s) == after.population.total(s) && after.population.total(s) > 0));
+    assert_eq!(reached(&after.regions, 1, &world.way_points[2]), None, "amid the river");
+    let rag = &after.population.rag;
+    let mut users: Vec<(usize, usize, usize)> = Vec::new();
+    for t in &rag.territories {
+        for (i, &n) in t.nodes.iter().enumerate() {
+            let Resource::WayPoint(number) = rag.nodes[n].resource else { continue };
+            let node = &rag.nodes[n];
+            users.push((number, t.species, node.level));
+            assert_eq!((node.quantity_kg, node.draws, node.area.len()), (0.0, 0.1, 9));
+            assert_eq!(after.regions.region(t.species, node.cell), Some(t.region));
+            assert!((0..t.nodes.len()).all(|j| t.time_s(i, j).is_finite() && t.time_s(j, i).is_finite()));
+        }
+    }
+    users.sort_unstable();
+    assert_eq!(users, [(0, 0, 1), (1, 0, 1), (1, 1, 1), (1, 2, 2)]);
+    let passed = |n: &usize| matches!(rag.nodes[*n].resource, Resource::WayPoint(_));
+    assert!(rag.nodes.iter().all(|node| !node.below.iter().any(passed)), "prey is not made of way-points");
 }

@@ -168,7 +168,7 @@ fn mountain_land(climate: &str) -> Land {
 }
 
 #[test]
-fn the_plants_of_the_sample_make_four_biomes_that_a_map_can_tell_apart() {
+fn of_the_four_biomes_of_the_sample_three_or_more_dominate_somewhere_and_a_map_tells_them_apart() {
     let land = mountain_land("mild");
     let (flora, _) = land.flora(&tautavel::plants(), Needs::default());
     let (of, names) = tautavel::biomes();

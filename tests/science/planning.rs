@@ -7,6 +7,7 @@ use super::worlds::deer;
 use super::worlds::wolf;
 use biotope::compute::ecosystem::habitat::Habitat;
 use biotope::compute::ecosystem::planning::Activity;
+use biotope::compute::ecosystem::planning::Cause;
 use biotope::compute::ecosystem::planning::Conflict;
 use biotope::compute::ecosystem::planning::DAY_S;
 use biotope::compute::ecosystem::planning::Edit;
@@ -249,8 +250,89 @@ fn a_herd_that_no_node_can_hold_stays_beside_one() {
     let world = World::plain(20).with_animal(deer()).with_node(MEADOW, (10, 10), 1, 1e4).settled(0, &[500]);
     let plans = planned(&world, &Options::default());
     assert!(plans.warnings.iter().any(|w| w.reason == Reason::NoRoomToRest));
-    assert!(plans.warnings.iter().any(|w| w.reason == Reason::Missed(Activity::Feed)));
+    assert!(plans.warnings.iter().any(|w| w.reason == Reason::Missed(Activity::Feed, Cause::TooSmall)));
     assert_eq!(flaw(&world, &plans, &Options::default()), None);
+}
+
+#[test]
+fn herds_pass_a_way_point_on_their_rounds_and_their_paths_lead_over_it() {
+    let way_point = (30, 4);
+    let land = |share: f64| {
+        [(8, 8), (20, 30), (30, 18)]
+            .into_iter()
+            .fold(World::plain(40).with_animal(deer()), |world, at| world.with_node(MEADOW, at, 3, 2e4))
+            .with_node(Resource::Water, (25, 22), 2, 0.0)
+            .with_way_point(way_point, share)
+            .settled(0, &[8, 9, 7, 10, 6, 8])
+    };
+    let passes = |plans: &Plannings| plans.days.iter().map(|day| count(day, Activity::Pass)).sum::<usize>();
+    let (world, options) = (land(0.2), Options::default());
+    let plans = planned(&world, &options);
+    assert_eq!((flaw(&world, &plans, &options), plans.warnings.len()), (None, 0));
+    assert!(passes(&plans) >= 3 && passes(&planned(&land(0.5), &options)) > passes(&plans));
+    let herds: Vec<usize> = (0..6).filter(|h| count(&plans.days[*h], Activity::Pass) > 0).collect();
+    let pace = Pace { step_s: 60.0, height: None };
+    let place = world.grid.centre(world.grid.index(way_point.0, way_point.1));
+    for track in tracks(&world.habitat(), &plans, &herds, pace, &Run::silent()).unwrap() {
+        assert!(track.places.iter().any(|p| p.distance(place) < 1e-9));
+        let day = &plans.days[track.herd];
+        assert!(day.visits.iter().filter(|v| v.activity == Activity::Pass).all(|v| v.leave_s - v.arrive_s == 600.0));
+        assert!(count(day, Activity::Drink) >= 2 && count(day, Activity::Feed) >= 1, "nobody lives on passing");
+    }
+}
+
+#[test]
+fn a_herd_with_one_meadow_does_not_run_to_and_fro_to_a_way_point() {
+    let world = World::plain(60)
+        .with_animal(deer())
+        .with_node(MEADOW, (10, 10), 2, 1e4)
+        .with_way_point((50, 50), 0.1)
+        .settled(0, &[5]);
+    let plans = planned(&world, &Options::default());
+    assert_eq!(flaw(&world, &plans, &Options::default()), None);
+    assert!(count(&plans.days[0], Activity::Pass) <= 3, "{:?}", plans.days[0]);
+}
+
+/// Why the first herd misses a drink, with the water at (column, row) and herds of these sizes.
+fn why_it_does_not_drink(world: World, water: (usize, usize), herds: &[u32], m2_each: f64) -> Vec<Cause> {
+    let world = world.with_node(MEADOW, (10, 10), 6, 1e6).with_node(Resource::Water, water, 0, 0.0).settled(0, herds);
+    let options = Options { m2_each, ..Options::default() };
+    let plans = planned(&world, &options);
+    assert_eq!(flaw(&world, &plans, &options), None);
+    let cause = |w: &biotope::compute::ecosystem::planning::Warning| match w.reason {
+        Reason::Missed(Activity::Drink, cause) => Some(cause),
+        _ => None,
+    };
+    plans.warnings.iter().filter_map(cause).collect()
+}
+
+#[test]
+fn a_missed_drink_says_whether_room_or_time_was_missing() {
+    let plain = || World::plain(60).with_animal(deer());
+    // Two of the day's ninety minutes by the water have room for everybody.
+    assert_eq!(why_it_does_not_drink(plain(), (20, 10), &[5, 5], 1.0), []);
+    let mut slow = deer();
+    slow.mobility.speed_m_per_s = 0.01;
+    let far = why_it_does_not_drink(World::plain(60).with_animal(slow), (50, 50), &[5], 1.0);
+    assert_eq!(far, [Cause::TooFar; 2]);
+    // The bank holds ten.
+    assert_eq!(why_it_does_not_drink(plain(), (20, 10), &[11], 10.0), [Cause::TooSmall; 2]);
+    // It holds one of the herds at a time, and the day is twelve drinks long.
+    let crowd = why_it_does_not_drink(plain(), (20, 10), &[10; 14], 10.0);
+    assert!(crowd.len() >= 16 && crowd.iter().all(|c| matches!(c, Cause::NoRoom | Cause::NoTime)), "{crowd:?}");
+    assert!(crowd.iter().filter(|c| **c == Cause::NoRoom).count() >= 8, "{crowd:?}");
+}
+
+#[test]
+fn a_drink_that_no_way_leads_to_is_missed_for_want_of_a_way() {
+    let mut world = World::plain(30)
+        .with_animal(deer())
+        .with_node(MEADOW, (10, 10), 2, 1e4)
+        .with_node(Resource::Water, (20, 20), 0, 0.0)
+        .settled(0, &[5]);
+    world.rag.territories[0].times_s = vec![0.0, f32::INFINITY, f32::INFINITY, 0.0];
+    let plans = planned(&world, &Options::default());
+    assert!(plans.warnings.iter().any(|w| w.reason == Reason::Missed(Activity::Drink, Cause::NoWay)));
 }
 
 #[test]
@@ -337,16 +419,16 @@ fn after(plans: &Plannings, edited: &Edited) -> Plannings {
 #[test]
 fn an_empty_edit_changes_nothing() {
     let world = valley(&[12, 8]);
-    let plans = planned(&world, &Options::default());
-    for herd in 0..plans.herds.len() {
+    for (seed, herd) in (0..8).flat_map(|seed| (0..6).map(move |herd| (seed, herd))) {
+        let plans = planned(&world, &Options { seed, ..Options::default() });
         let edited = edited(&world, &plans, herd, &[]);
         assert_eq!(edited.conflicts, [], "herd {herd}");
         for (changed, day) in edited.days {
             assert_eq!(day.visits.len(), plans.days[changed].visits.len());
             for (a, b) in day.visits.iter().zip(&plans.days[changed].visits) {
-                assert!(
-                    a.node == b.node && (a.arrive_s - b.arrive_s).abs() < 1e-3 && (a.leave_s - b.leave_s).abs() < 1e-3
-                );
+                let same = |a: f64, b: f64| (a - b).abs() < 1e-3;
+                let kept = a.node == b.node && same(a.arrive_s, b.arrive_s) && same(a.leave_s, b.leave_s);
+                assert!(kept, "{a:?} was {b:?}, of {:?}", plans.days[changed]);
             }
         }
     }
@@ -436,6 +518,7 @@ proptest! {
         let world = places.iter().enumerate().fold(world, |world, (i, &at)| {
             world.with_node(if i % 3 == 0 { Resource::Water } else { MEADOW }, at, i % 3, 1e3 * i as f64)
         });
+        let world = if seed % 2 == 0 { world.with_way_point(places[0], 0.3) } else { world };
         let world = world.settled(0, &herds).settled(1, &[15, 10]).hunted(0, 500.0).settled(2, &[5, 7]);
         let options = Options { m2_each, seed, ..Options::default() };
         let plans = planned(&world, &options);

@@ -195,6 +195,21 @@ fn north_and_south_of_the_equator_are_mirror_images_half_a_year_apart() {
 }
 
 #[test]
+fn a_hill_is_sunny_to_the_south_at_45_north_and_to_the_north_at_45_south() {
+    let (grid, run) = (Grid::new(60, 60, 10.0), Run::silent());
+    let hill = |x: f64, y: f64| 90.0 * libm::exp(-((x - 300.0).powi(2) + (y - 300.0).powi(2)) / 20_000.0);
+    let year = |latitude: f64, (column, row): (usize, usize)| {
+        let terrain = Terrain::new(raster(grid, hill), &run).unwrap();
+        let light = sunlight(&terrain, &mild(latitude), SunlightRules::default(), &run).unwrap();
+        (0..MONTHS).map(|month| light.value(month, grid.index(column, row))).sum::<f32>()
+    };
+    // Rows count from the north; the slopes are as steep, 0.55, a hundred metres from the top.
+    let (northern, southern) = ((30, 20), (30, 39));
+    assert!(year(45.0, southern) > 1.5 * year(45.0, northern));
+    assert!(year(-45.0, northern) > 1.5 * year(-45.0, southern));
+}
+
+#[test]
 fn in_the_mild_climate_open_ground_is_fit_for_trees_in_the_growing_season_and_a_north_cliff_is_not() {
     let grid = Grid::new(80, 80, 10.0);
     let run = Run::silent();

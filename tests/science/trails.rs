@@ -115,6 +115,26 @@ fn every_two_nodes_with_traffic_are_joined_by_the_lines() {
 }
 
 #[test]
+fn a_way_point_draws_its_share_of_the_traffic_to_it() {
+    let land = |share: Option<f64>| {
+        let world = [(20, 20), (35, 40), (20, 50)]
+            .into_iter()
+            .fold(World::plain(70).with_animal(deer()), |world, at| world.with_node(MEADOW, at, 3, 2e4))
+            .with_node(Resource::Water, (28, 30), 0, 0.0);
+        share.map_or(world.clone(), |share| world.with_way_point((66, 3), share)).settled(0, &[12, 8])
+    };
+    let at = |share: Option<f64>| {
+        let trails = made(&land(share), &Options::default());
+        assert!(trails.without_way == 0 && (trails.kept_share - 1.0).abs() < 1e-9);
+        let traffic = walked(&trails, |s| s.kg_per_year);
+        assert!((sum(&trails.usage) / traffic - 1.0).abs() < 1e-4);
+        f64::from(trails.usage.get(66, 3))
+    };
+    let (none, some, more) = (at(None), at(Some(0.1)), at(Some(0.3)));
+    assert!(none == 0.0 && some > 0.0 && more > 2.0 * some, "{none} {some} {more}");
+}
+
+#[test]
 fn trails_of_many_meadows_share_main_trails() {
     let meadows = (0..12).map(|k| (50 + (k % 3) * 6, 6 + (k / 3) * 14));
     let world = meadows

@@ -124,8 +124,19 @@ impl World {
             cell,
             place: self.grid.centre(cell),
             quantity_kg: if infinite { f64::INFINITY } else { quantity_kg },
+            draws: 0.0,
             below: Vec::new(),
         });
+        self
+    }
+
+    /// The world with a way-point at (column, row) that draws a share of the moves of all species.
+    pub fn with_way_point(mut self, at: (usize, usize), share: f64) -> Self {
+        let number = self.rag.nodes.iter().filter(|n| n.draws > 0.0).count();
+        self = self.with_node(Resource::WayPoint(number), at, 0, 0.0);
+        if let Some(node) = self.rag.nodes.last_mut() {
+            node.draws = share;
+        }
         self
     }
 
@@ -168,6 +179,7 @@ impl World {
             place: self.grid.centre(cell),
             area_m2: cells.len() as f64 * self.grid.cell_area_m2(),
             quantity_kg,
+            draws: 0.0,
             below,
         });
         self
@@ -185,7 +197,7 @@ impl World {
     fn uses(&self, species: usize, node: usize) -> bool {
         let (animal, node) = (&self.animals[species], &self.rag.nodes[node]);
         let eaten = animal.diet.iter().any(|item| Resource::Food(item.food) == node.resource);
-        (eaten || node.resource == Resource::Water) && self.open(species, node.cell)
+        (eaten || node.resource == Resource::Water || node.draws > 0.0) && self.open(species, node.cell)
     }
 
     /// Exact travel times from a cell to all, and the cell each was reached from.

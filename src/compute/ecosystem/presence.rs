@@ -14,6 +14,9 @@ const NEAR_S: f64 = 30.0;
 /// The largest share of the active time that drinking may take (ours).
 const MOST_DRINKING: f64 = 0.5;
 
+/// The largest share of the moves that all way-points of a territory may draw (ours).
+const MOST_PASSING: f64 = 0.5;
+
 /// How much of the active time goes to drinking.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drinking {
@@ -46,17 +49,29 @@ impl Drinking {
 /// q(r, v)/q(r, C) · c(s, r) is preference × q(r, v) over its sum. Water nodes share by the length
 /// of their banks, that is by area, as banks are one cell wide. The shares of resources that the
 /// territory lacks go to the others; where it has none at all, nodes share by area.
+///
+/// Way-points draw the shares of [`Node::draws`], together at most a half, and what is used the
+/// rest.
 pub fn presence(rag: &Rag, territory: &Territory, species: &AnimalSpecies, drinking: &Drinking) -> Vec<f64> {
     let nodes: Vec<&Node> = territory.nodes.iter().map(|&n| &rag.nodes[n]).collect();
-    let water = shares(&nodes, |node| if node.resource == Resource::Water { node.area_m2 } else { 0.0 });
-    let food = shares(&nodes, |node| liking(species, node));
+    let drawn: f64 = nodes.iter().map(|node| node.draws).sum();
+    let scale = if drawn > MOST_PASSING { MOST_PASSING / drawn } else { 1.0 };
+    let used = in_use(&nodes, species, drinking);
+    let at = nodes.iter().zip(used).map(|(node, p)| scale * node.draws + (1.0 - scale * drawn) * p);
+    at.collect()
+}
+
+/// P_s(v) of a territory without way-points.
+fn in_use(nodes: &[&Node], species: &AnimalSpecies, drinking: &Drinking) -> Vec<f64> {
+    let water = shares(nodes, |node| if node.resource == Resource::Water { node.area_m2 } else { 0.0 });
+    let food = shares(nodes, |node| liking(species, node));
     match (water, food) {
         (Some(water), Some(food)) => {
             let drinks = drinking.share(species);
             water.iter().zip(&food).map(|(w, f)| drinks * w + (1.0 - drinks) * f).collect()
         }
         (Some(only), None) | (None, Some(only)) => only,
-        (None, None) => shares(&nodes, |node| node.area_m2).unwrap_or_else(|| shares_of_equals(nodes.len())),
+        (None, None) => shares(nodes, |node| node.area_m2).unwrap_or_else(|| shares_of_equals(nodes.len())),
     }
 }
 
@@ -77,7 +92,7 @@ pub(crate) fn pull(presence: f64, seconds: f64) -> f64 {
 /// preference × q(r, v); 0 where the species eats nothing.
 fn liking(species: &AnimalSpecies, node: &Node) -> f64 {
     match node.resource {
-        Resource::Water => 0.0,
+        Resource::Water | Resource::WayPoint(_) => 0.0,
         Resource::Food(food) => preference(species, food) * node.quantity_kg,
     }
 }
@@ -109,7 +124,13 @@ mod tests {
 
     fn node(resource: Resource, area_m2: f64, quantity_kg: f64) -> Node {
         let area = Area::default();
-        Node { level: 1, resource, area, cell: 0, place: Point::default(), area_m2, quantity_kg, below: Vec::new() }
+        let (place, below) = (Point::default(), Vec::new());
+        Node { level: 1, resource, area, cell: 0, place, area_m2, quantity_kg, draws: 0.0, below }
+    }
+
+    /// A way-point that draws a share of the moves.
+    fn way_point(draws: f64) -> Node {
+        Node { draws, ..node(Resource::WayPoint(0), 9.0, 0.0) }
     }
 
     fn deer(diet: &[(usize, f64)]) -> AnimalSpecies {
@@ -172,6 +193,19 @@ mod tests {
         };
         let p = presence(&bare, &territory(&bare, vec![0.0; 4]), &deer(&[(0, 1.0)]), &Drinking::default());
         assert_eq!(p, [0.25, 0.75]);
+    }
+
+    #[test]
+    fn way_points_draw_their_shares_and_together_at_most_a_half() {
+        let meadow = || node(Resource::Food(Food::Plant(0)), 1.0, 600.0);
+        let at = |nodes: Vec<Node>| {
+            let rag = Rag { nodes, territories: Vec::new() };
+            let n = rag.nodes.len();
+            presence(&rag, &territory(&rag, vec![0.0; n * n]), &deer(&[(0, 1.0)]), &Drinking::default())
+        };
+        let close = |a: Vec<f64>, b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(close(at(vec![meadow(), way_point(0.1), meadow()]), &[0.45, 0.1, 0.45]));
+        assert!(close(at(vec![meadow(), way_point(0.9), way_point(0.3)]), &[0.5, 0.375, 0.125]));
     }
 
     #[test]

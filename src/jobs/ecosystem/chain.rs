@@ -25,6 +25,7 @@ use crate::compute::ecosystem::planning::Edit;
 use crate::compute::ecosystem::planning::Pace;
 use crate::compute::ecosystem::planning::Plannings;
 use crate::compute::ecosystem::planning::Track;
+use crate::compute::ecosystem::rag::NodeOptions;
 use crate::compute::ecosystem::rag::PlantGrowth;
 use crate::compute::ecosystem::regions::Ground;
 use crate::compute::ecosystem::regions::RegionOptions;
@@ -184,8 +185,7 @@ impl Chain {
         let key = Stage { name: "animals.regions", version: 1, inputs };
         let regions = stage(context, key, || {
             let ground = ground(land, &tree_cover);
-            let least = RegionOptions::default().min_area_m2;
-            let min_area_m2 = request.inputs.passages.min_region_m2.unwrap_or(least);
+            let min_area_m2 = least_area_m2(request);
             let options = RegionOptions { min_area_m2, ..RegionOptions::default() };
             Ok(Regions::new(&ground, &request.passages, &request.animals.species, &options, &context.run)?)
         })?;
@@ -201,7 +201,7 @@ impl Chain {
         let (animals, country) = (&request.animals.species, roads.country);
         let parameters = (&request.inputs.animals, &request.inputs.competition, &request.inputs.climate, context.seed);
         let inputs = digest(&[&country.digest], &parameters)?;
-        let key = Stage { name: "animals.competition", version: 3, inputs };
+        let key = Stage { name: "animals.competition", version: 4, inputs };
         let population = stage(context, key, || {
             let growth = Growth { request, plants };
             let habitable = Habitable {
@@ -210,6 +210,7 @@ impl Chain {
                 plants: &request.plants.species,
                 growth: &growth,
                 animals,
+                way_points: &request.way_points,
             };
             Ok(fauna::populate(&habitable, &fauna_options(context, request), &context.run)?)
         })?;
@@ -241,7 +242,7 @@ impl Chain {
 
     fn trails_stage(context: &JobContext<'_>, request: &Request, wildlife: &Wildlife) -> Result<Stage, Failure> {
         let parameters = (&request.inputs.trails, context.seed);
-        Ok(Stage { name: "trails", version: 3, inputs: digest(&[&wildlife.digest], &parameters)? })
+        Ok(Stage { name: "trails", version: 4, inputs: digest(&[&wildlife.digest], &parameters)? })
     }
 
     /// What grows beside the trails: the plants under them are removed (L 6.1). Not stored: one
@@ -266,7 +267,7 @@ impl Chain {
     ) -> Result<Days, Failure> {
         let parameters = (&request.inputs.planning, context.seed);
         let trodden = Self::trails_stage(context, request, wildlife)?.digest();
-        let key = Stage { name: "planning", version: 4, inputs: digest(&[&trodden], &parameters)? };
+        let key = Stage { name: "planning", version: 5, inputs: digest(&[&trodden], &parameters)? };
         stage(context, key, || {
             let habitat =
                 Habitat { paths: Some(&trails.paths), ..habitat(request, wildlife, roads.travel(&context.run)?) };
@@ -395,6 +396,11 @@ impl PlantGrowth for Growth<'_> {
     }
 }
 
+/// Regions and resources of a smaller area are left alone, m².
+fn least_area_m2(request: &Request) -> f64 {
+    request.inputs.passages.min_region_m2.unwrap_or(RegionOptions::default().min_area_m2)
+}
+
 fn fauna_options(context: &JobContext<'_>, request: &Request) -> FaunaOptions {
     let competition = &request.inputs.competition;
     FaunaOptions {
@@ -403,6 +409,7 @@ fn fauna_options(context: &JobContext<'_>, request: &Request) -> FaunaOptions {
         fill: competition.fill,
         max_density_per_km2: (0..request.animals.species.len()).map(|s| max_density(request, s)).collect(),
         plant_seasons: vec![seasons(request); request.plants.species.len()],
+        nodes: NodeOptions { min_area_m2: least_area_m2(request), ..NodeOptions::default() },
         ..FaunaOptions::default()
     }
 }

@@ -35,6 +35,7 @@ use crate::jobs::ecosystem::chain::Growth;
 use crate::jobs::ecosystem::chain::Vegetation;
 use crate::jobs::ecosystem::chain::Wildlife;
 use crate::jobs::ecosystem::outputs::Maps;
+use crate::jobs::ecosystem::report;
 use crate::jobs::ecosystem::request::Request;
 use crate::jobs::ecosystem::species::slug;
 
@@ -94,7 +95,8 @@ pub fn graph(context: &mut JobContext<'_>, request: &Request, rag: &Rag) -> Resu
         .numbers("x", "m", nodes.iter().map(|n| n.place.x))
         .numbers("y", "m", nodes.iter().map(|n| n.place.y))
         .numbers("area_m2", "m²", nodes.iter().map(|n| n.area_m2))
-        .numbers("quantity", "kg a year", nodes.iter().map(|n| n.quantity_kg));
+        .numbers("quantity", "kg a year", nodes.iter().map(|n| n.quantity_kg))
+        .numbers("draws", "share of moves", nodes.iter().map(|n| n.draws));
     let edges: Vec<(usize, usize, usize, f64)> = rag.territories.iter().flat_map(spatial_edges).collect();
     let spatial = Table::new()
         .texts("species", edges.iter().map(|e| request.animals.species[e.0].name.as_str()))
@@ -117,14 +119,16 @@ fn kind(node: &Node) -> &'static str {
         Resource::Water => "water",
         Resource::Food(Food::Plant(_)) => "plant",
         Resource::Food(Food::Animal(_)) => "animal",
+        Resource::WayPoint(_) => "waypoint",
     }
 }
 
-fn resource<'r>(request: &'r Request, node: &Node) -> &'r str {
+fn resource(request: &Request, node: &Node) -> String {
     match node.resource {
-        Resource::Water => "water",
-        Resource::Food(Food::Plant(i)) => &request.plants.species[i].name,
-        Resource::Food(Food::Animal(i)) => &request.animals.species[i].name,
+        Resource::Water => "water".to_owned(),
+        Resource::Food(Food::Plant(i)) => request.plants.species[i].name.clone(),
+        Resource::Food(Food::Animal(i)) => request.animals.species[i].name.clone(),
+        Resource::WayPoint(i) => request.way_point_name(i),
     }
 }
 
@@ -191,7 +195,8 @@ pub fn trail_lines(context: &mut JobContext<'_>, request: &Request, trails: &Tra
     context.put("trails.lines", Artefact::Json(json!({"kept_share": trails.kept_share, "trails": lines})))
 }
 
-/// What every herd does all day, and where it is.
+/// What every herd does all day, and where it is. What a herd needs every day and misses stands,
+/// with the cause, in the row of its last visit.
 pub fn plannings(
     context: &mut JobContext<'_>,
     request: &Request,
@@ -204,6 +209,7 @@ pub fn plannings(
         .enumerate()
         .flat_map(|(h, day)| day.visits.iter().enumerate().map(move |(order, visit)| (h, order, visit)))
         .collect();
+    let missed: Vec<String> = (0..herds.len()).map(|herd| report::missed(&days.plannings, herd)).collect();
     let places: Vec<Point> = rows.iter().map(|(_, _, v)| request.grid().centre(v.cell)).collect();
     let table = Table::new()
         .integers("herd", "", rows.iter().map(|r| r.0 as i64))
@@ -216,18 +222,24 @@ pub fn plannings(
         .numbers("y", "m", places.iter().map(|p| p.y))
         .texts("activity", rows.iter().map(|r| activity(r.2.activity)))
         .texts("resource", rows.iter().map(|r| resource(request, &wildlife.population.rag.nodes[r.2.node])))
-        .integers("prey", "", rows.iter().map(|r| r.2.prey.map_or(-1, |p| p as i64)));
+        .integers("prey", "", rows.iter().map(|r| r.2.prey.map_or(-1, |p| p as i64)))
+        .texts(
+            "missed",
+            rows.iter().map(|r| if r.1 + 1 == plans[r.0].visits.len() { missed[r.0].as_str() } else { "" }),
+        );
     context.put("plannings", Artefact::Table(table))?;
     paths(context, request, days)
 }
 
-fn activity(activity: Activity) -> &'static str {
+/// What is done, in a word.
+pub const fn activity(activity: Activity) -> &'static str {
     match activity {
         Activity::Drink => "drink",
         Activity::Feed => "feed",
         Activity::Hunt => "hunt",
         Activity::Rest => "rest",
         Activity::Wait => "wait",
+        Activity::Pass => "pass",
     }
 }
 

@@ -12,7 +12,12 @@ use crate::compute::ecosystem::fauna::Population;
 use crate::compute::ecosystem::flora::Absence;
 use crate::compute::ecosystem::flora::Flora;
 use crate::compute::ecosystem::flora::Total;
+use crate::compute::ecosystem::planning;
+use crate::compute::ecosystem::planning::Activity;
+use crate::compute::ecosystem::planning::Cause;
+use crate::compute::ecosystem::planning::Plannings;
 use crate::compute::ecosystem::planning::Reason;
+use crate::compute::ecosystem::rag;
 use crate::compute::ecosystem::regions::Regions;
 use crate::compute::ecosystem::species::AnimalSpecies;
 use crate::compute::ecosystem::species::Food;
@@ -26,6 +31,7 @@ use crate::jobs::ecosystem::chain::Grown;
 use crate::jobs::ecosystem::chain::Vegetation;
 use crate::jobs::ecosystem::chain::Wildlife;
 use crate::jobs::ecosystem::library;
+use crate::jobs::ecosystem::life;
 use crate::jobs::ecosystem::request::Biomes;
 use crate::jobs::ecosystem::request::Request;
 use crate::jobs::ecosystem::species::slug;
@@ -120,6 +126,7 @@ pub fn summary(
     let plants = plants(context, request, (&grown.grown.flora, left), &wildlife.population);
     let animals = animals(context, request, &country.regions, &wildlife.population);
     let biomass = biomass(context, request, &wildlife.population);
+    way_points(context, request, &country.regions);
     plannings(context, days);
     let area_km2 =
         request.height.data.iter().filter(|h| !h.is_nan()).count() as f64 * request.grid().cell_area_m2() * 1e-6;
@@ -293,14 +300,65 @@ fn plannings(context: &mut JobContext<'_>, days: &Days) {
         context.warn(Warning::new(WarningCode::PlanningConflict, "/planning/edits", message));
     }
     let count = |of: &dyn Fn(&Reason) -> bool| days.plannings.warnings.iter().filter(|w| of(&w.reason)).count() as u64;
-    let kinds: [(&str, u64); 4] = [
+    let kinds: [(&str, u64); 3] = [
         ("waited because no node had room", count(&|r| matches!(r, Reason::Crowded(_)))),
         ("found no node with room to rest", count(&|r| matches!(r, Reason::NoRoomToRest))),
-        ("did not reach something they need every day", count(&|r| matches!(r, Reason::Missed(_)))),
         ("met no prey for a time", count(&|r| matches!(r, Reason::PreyOutOfReach(_)))),
     ];
-    for (what, herds) in kinds.into_iter().filter(|(_, herds)| *herds > 0) {
-        let message = format!("herds {what}");
+    let kinds = kinds.map(|(what, herds)| (format!("herds {what}"), herds));
+    let mut missed: Vec<(Activity, Cause, usize)> = Vec::new();
+    for warning in &days.plannings.warnings {
+        let Reason::Missed(activity, cause) = warning.reason else { continue };
+        missed.push((activity, cause, warning.herd));
+    }
+    missed.sort_unstable();
+    missed.dedup();
+    let missed = missed.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).map(|herds| {
+        let often = if herds[0].0 == Activity::Drink { "as often as they should" } else { "at all" };
+        (format!("herds could not {} {often}: {}", life::activity(herds[0].0), because(herds[0].1)), herds.len() as u64)
+    });
+    for (message, herds) in kinds.into_iter().chain(missed).filter(|(_, herds)| *herds > 0) {
         context.warn(Warning::new(WarningCode::HerdWaits, "/planning", message).with_count(herds));
+    }
+}
+
+/// What a herd needs every day and misses, and why; empty when it has all.
+pub fn missed(plannings: &Plannings, herd: usize) -> String {
+    let of_herd = plannings.warnings.iter().filter(|warning| warning.herd == herd);
+    let sentence = |warning: &planning::Warning| match warning.reason {
+        Reason::Missed(activity, cause) => Some(format!("{}: {}", life::activity(activity), because(cause))),
+        _ => None,
+    };
+    of_herd.filter_map(sentence).collect::<Vec<String>>().join("; ")
+}
+
+const fn because(cause: Cause) -> &'static str {
+    match cause {
+        Cause::NoWay => "no way leads there and back",
+        Cause::TooFar => "too far for the active day",
+        Cause::TooSmall => "no place within reach holds the whole herd",
+        Cause::NoRoom => "no room at any time of the day",
+        Cause::NoTime => "room at some time of the day, but not when they came by",
+        Cause::NoPrey => "no prey met",
+    }
+}
+
+/// Warns of each way-point that an animal it is to draw cannot reach. Of those that are to draw all,
+/// it is enough that one animal reaches them.
+fn way_points(context: &mut JobContext<'_>, request: &Request, regions: &Regions) {
+    for (i, way_point) in request.way_points.iter().enumerate() {
+        let drawn: Vec<usize> = (0..request.animals.species.len()).filter(|s| way_point.draws(*s)).collect();
+        let lost: Vec<&str> = drawn
+            .iter()
+            .filter(|s| rag::reached(regions, **s, way_point).is_none())
+            .map(|s| request.animals.species[*s].name.as_str())
+            .collect();
+        let all = way_point.species.is_empty();
+        if !lost.is_empty() && (!all || lost.len() == drawn.len()) {
+            let message = format!("{} lies in no confinement region of {}", request.way_point_name(i), lost.join(", "));
+            let pointer = format!("/passages/waypoints/{i}");
+            let count = lost.len() as u64;
+            context.warn(Warning::new(WarningCode::WaypointNotReached, pointer, message).with_count(count));
+        }
     }
 }

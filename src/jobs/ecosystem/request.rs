@@ -10,6 +10,7 @@ use biotope_api::ecosystem::PlaceInput;
 use biotope_api::ecosystem::PlanningChange;
 use biotope_api::ecosystem::PlanningEdit;
 use biotope_api::ecosystem::ScalesPreset;
+use biotope_api::ecosystem::WaypointInput;
 use biotope_api::error::ErrorCode;
 use biotope_api::reference::Reference;
 use biotope_api::warning::Warning;
@@ -19,6 +20,7 @@ use crate::compute::ecosystem::climate::Climate;
 use crate::compute::ecosystem::climate::MonthClimate;
 use crate::compute::ecosystem::fitness::Needs;
 use crate::compute::ecosystem::planning::Edit;
+use crate::compute::ecosystem::rag::WayPoint;
 use crate::compute::ecosystem::regions::Passages;
 use crate::compute::ecosystem::regions::Place;
 use crate::compute::ecosystem::resources::GivenMaps;
@@ -65,8 +67,10 @@ pub struct Request {
     pub exclusion: Option<Raster<f32>>,
     /// Painted cover, by plant.
     pub painted: Vec<(usize, Raster<f32>)>,
-    /// Fords and way-points, in the terrain's frame.
+    /// Places that fords and way-points open, in the terrain's frame.
     pub passages: Passages,
+    /// The way-points, which draw animals.
+    pub way_points: Vec<WayPoint>,
     /// The biomes.
     pub biomes: Biomes,
     /// Edits of plannings: the herd and its edit.
@@ -115,16 +119,20 @@ impl Request {
             .read(|m| (m.painted(&inputs), m.one("/maps/exclusion", (inputs.maps.exclusion.as_ref(), Meaning::Share))));
         faults.extend(maps.faults);
         let passages = faults.keep(passages(&inputs.passages, &land.height.grid));
+        let way_points = animals.as_ref().zip(passages.as_ref()).and_then(|(animals, passages)| {
+            faults.keep(way_points(&inputs.passages.waypoints, &passages.waypoints, animals))
+        });
         let edits = faults.keep(edits(&inputs.planning.edits)).unwrap_or_default();
         // 4. All there, or all faults.
-        match (plants, animals, biomes, climate, latitude_deg, passages, faults.errors.is_empty()) {
+        let fitting = passages.zip(way_points);
+        match (plants, animals, biomes, climate, latitude_deg, fitting, faults.errors.is_empty()) {
             (
                 Some(plants),
                 Some(animals),
                 Some(biomes),
                 Some(mut climate),
                 Some(latitude_deg),
-                Some(passages),
+                Some((passages, way_points)),
                 true,
             ) => {
                 climate.latitude_deg = latitude_deg;
@@ -141,6 +149,7 @@ impl Request {
                     exclusion: covers.1,
                     painted: covers.0,
                     passages,
+                    way_points,
                     edits,
                     biomes,
                     digests: Digests { terrain: land.digest, water, maps: given_digest, painted },
@@ -155,6 +164,12 @@ impl Request {
     /// Where the cells lie.
     pub fn grid(&self) -> Grid {
         self.height.grid
+    }
+
+    /// What a way-point is called.
+    pub fn way_point_name(&self, number: usize) -> String {
+        let given = self.inputs.passages.waypoints.get(number).and_then(|input| input.name.clone());
+        given.unwrap_or_else(|| format!("way-point {number}"))
     }
 
     /// Most memory the solve holds at one time, bytes: about 200 a cell for the maps of land,
@@ -241,15 +256,46 @@ fn biomes(inputs: &EcosystemInputs, plants: &Plants) -> Result<Biomes, Invalid> 
 
 fn passages(input: &PassagesInput, grid: &Grid) -> Result<Passages, Invalid> {
     let mut faults = Invalid::default();
-    let mut places = |pointer: &str, inputs: &[PlaceInput]| {
+    let mut places = |pointer: &str, inputs: Vec<PlaceInput>| {
         let place = |(i, p): (usize, &PlaceInput)| faults.keep(place(&format!("{pointer}/{i}"), p, grid));
         inputs.iter().enumerate().filter_map(place).collect()
     };
+    let around = |p: &WaypointInput| PlaceInput { x: p.x, y: p.y, radius_m: p.radius_m };
     let passages = Passages {
-        fords: places("/passages/fords", &input.fords),
-        waypoints: places("/passages/waypoints", &input.waypoints),
+        fords: places("/passages/fords", input.fords.clone()),
+        waypoints: places("/passages/waypoints", input.waypoints.iter().map(around).collect()),
     };
     faults.into_result().map(|()| passages)
+}
+
+/// Way-points that draw animals, at most: each is a search for every region that it lies in.
+const MOST_WAY_POINTS: usize = 100;
+
+/// The way-points of the inputs at `places`, one for each.
+fn way_points(inputs: &[WaypointInput], places: &[Place], animals: &Animals) -> Result<Vec<WayPoint>, Invalid> {
+    let mut faults = Invalid::default();
+    let drawing = inputs.iter().filter(|p| p.share > 0.0).count();
+    if drawing > MOST_WAY_POINTS {
+        let expected = format!("at most {MOST_WAY_POINTS} way-points with a share above 0");
+        faults.push("/passages/waypoints", ErrorCode::WrongCount, expected, drawing);
+    }
+    let mut way_points = Vec::with_capacity(inputs.len());
+    for (i, (input, place)) in inputs.iter().zip(places).enumerate() {
+        let mut species = Vec::with_capacity(input.species.len());
+        for (k, name) in input.species.iter().enumerate() {
+            match animals.species.iter().position(|animal| animal.name.eq_ignore_ascii_case(name)) {
+                Some(s) => species.push(s),
+                None => {
+                    let pointer = format!("/passages/waypoints/{i}/species/{k}");
+                    faults.push(pointer, ErrorCode::UnknownSpecies, "an animal of the request", name);
+                }
+            }
+        }
+        species.sort_unstable();
+        species.dedup();
+        way_points.push(WayPoint { place: *place, share: input.share, species });
+    }
+    faults.into_result().map(|()| way_points)
 }
 
 fn place(pointer: &str, input: &PlaceInput, grid: &Grid) -> Result<Place, Invalid> {

@@ -23,6 +23,7 @@ use crate::compute::ecosystem::paths::Path;
 use crate::compute::ecosystem::paths::Paths;
 use crate::compute::ecosystem::planning;
 use crate::compute::ecosystem::planning::Activity;
+use crate::compute::ecosystem::planning::Cause;
 use crate::compute::ecosystem::planning::Herd;
 use crate::compute::ecosystem::planning::Planning;
 use crate::compute::ecosystem::planning::Plannings;
@@ -395,6 +396,7 @@ fn write_resource(w: &mut Writer, resource: Resource) {
         Resource::Water => w.u8(0).u64(0),
         Resource::Food(Food::Plant(i)) => w.u8(1).u64(i as u64),
         Resource::Food(Food::Animal(i)) => w.u8(2).u64(i as u64),
+        Resource::WayPoint(i) => w.u8(3).u64(i as u64),
     };
 }
 
@@ -404,13 +406,14 @@ fn read_resource(r: &mut Reader<'_>) -> Result<Resource, binary::Error> {
         0 => Ok(Resource::Water),
         1 => Ok(Resource::Food(Food::Plant(index))),
         2 => Ok(Resource::Food(Food::Animal(index))),
+        3 => Ok(Resource::WayPoint(index)),
         _ => Err(binary::Error::Corrupt("an unknown kind of resource")),
     }
 }
 
 fn write_node(w: &mut Writer, node: &Node) {
     w.u64(node.level as u64).u64(node.cell as u64).f64(node.place.x).f64(node.place.y);
-    w.f64(node.area_m2).f64(node.quantity_kg);
+    w.f64(node.area_m2).f64(node.quantity_kg).f64(node.draws);
     write_resource(w, node.resource);
     let (first, length): (Vec<u32>, Vec<u32>) = node.area.runs.iter().copied().unzip();
     w.u32s(&first).u32s(&length);
@@ -420,10 +423,10 @@ fn write_node(w: &mut Writer, node: &Node) {
 fn read_node(r: &mut Reader<'_>) -> Result<Node, binary::Error> {
     let (level, cell) = (r.u64()? as usize, r.u64()? as usize);
     let place = Point::new(r.f64()?, r.f64()?);
-    let (area_m2, quantity_kg) = (r.f64()?, r.f64()?);
+    let (area_m2, quantity_kg, draws) = (r.f64()?, r.f64()?, r.f64()?);
     let resource = read_resource(r)?;
     let area = Area { runs: r.u32s()?.into_iter().zip(r.u32s()?).collect() };
-    Ok(Node { level, resource, area, cell, place, area_m2, quantity_kg, below: read_indices(r)? })
+    Ok(Node { level, resource, area, cell, place, area_m2, quantity_kg, draws, below: read_indices(r)? })
 }
 
 fn write_territory(w: &mut Writer, t: &Territory) {
@@ -553,7 +556,10 @@ impl Stored for Trails {
     }
 }
 
-const ACTIVITIES: [Activity; 5] = [Activity::Drink, Activity::Feed, Activity::Hunt, Activity::Rest, Activity::Wait];
+const ACTIVITIES: [Activity; 6] =
+    [Activity::Drink, Activity::Feed, Activity::Hunt, Activity::Rest, Activity::Wait, Activity::Pass];
+
+const CAUSES: [Cause; 6] = [Cause::NoWay, Cause::TooFar, Cause::TooSmall, Cause::NoRoom, Cause::NoTime, Cause::NoPrey];
 
 fn write_activity(w: &mut Writer, activity: Activity) {
     w.u8(ACTIVITIES.iter().position(|a| *a == activity).unwrap_or(0) as u8);
@@ -595,9 +601,10 @@ fn write_reason(w: &mut Writer, reason: &Reason) {
         Reason::NoRoomToRest => {
             w.u8(1);
         }
-        Reason::Missed(activity) => {
+        Reason::Missed(activity, cause) => {
             w.u8(2);
             write_activity(w, *activity);
+            w.u8(CAUSES.iter().position(|c| c == cause).unwrap_or(0) as u8);
         }
         Reason::PreyOutOfReach(seconds) => {
             w.u8(3).f64(*seconds);
@@ -609,7 +616,11 @@ fn read_reason(r: &mut Reader<'_>) -> Result<Reason, binary::Error> {
     match r.u8()? {
         0 => Ok(Reason::Crowded(r.f64()?)),
         1 => Ok(Reason::NoRoomToRest),
-        2 => Ok(Reason::Missed(read_activity(r)?)),
+        2 => {
+            let (activity, cause) = (read_activity(r)?, usize::from(r.u8()?));
+            let cause = CAUSES.get(cause).copied().ok_or(binary::Error::Corrupt("an unknown cause"))?;
+            Ok(Reason::Missed(activity, cause))
+        }
         3 => Ok(Reason::PreyOutOfReach(r.f64()?)),
         _ => Err(binary::Error::Corrupt("an unknown reason")),
     }

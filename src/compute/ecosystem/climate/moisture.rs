@@ -14,9 +14,10 @@
 //!
 //! Ours, for the authors' map has cells of 1 m and ours need not: every place is fed by at least
 //! [`MoistureRules::own_length_m`] of ground; cells too wide for slopes of that length see too
-//! little of the ridges and hollows within them, and drainage per contour grows in proportion to
-//! their width (D. M. Wolock, G. J. McCabe 2000; 10 m show hillslopes, W. Zhang, D. R. Montgomery
-//! 1994), so what comes from above is divided by that proportion; on ground flatter than
+//! little of the ridges and hollows within them, and drainage per contour over slope grows in
+//! proportion to their width (A. Ducharne 2009, Hydrol. Earth Syst. Sci. 13:2399: the mean of its
+//! logarithm, less that of the width, hardly depends on the width), so what comes from above is
+//! divided by that proportion; on ground flatter than
 //! [`MoistureRules::level_grade`] water from above does not gather, so that level plains are even;
 //! near water the ground is damp, by its height above it; no ground that is not under water is
 //! wetter than [`SATURATED`], and what is under water is at [`UNDER_WATER`].

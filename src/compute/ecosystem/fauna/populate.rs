@@ -5,11 +5,13 @@ use super::herds::herds_of;
 use super::larder::Dish;
 use super::larder::Larder;
 use super::stocks::Stocks;
+use crate::compute::ecosystem::rag::Node;
 use crate::compute::ecosystem::rag::NodeOptions;
 use crate::compute::ecosystem::rag::PlantGrowth;
 use crate::compute::ecosystem::rag::Rag;
 use crate::compute::ecosystem::rag::Resource;
 use crate::compute::ecosystem::rag::Territory;
+use crate::compute::ecosystem::rag::WayPoint;
 use crate::compute::ecosystem::rag::field::Field;
 use crate::compute::ecosystem::rag::field::Source;
 use crate::compute::ecosystem::rag::level::LevelNodes;
@@ -17,6 +19,7 @@ use crate::compute::ecosystem::rag::level::Offer;
 use crate::compute::ecosystem::rag::level::group_parts;
 use crate::compute::ecosystem::rag::level::level_nodes;
 use crate::compute::ecosystem::rag::pools::Pool;
+use crate::compute::ecosystem::rag::way_point_nodes;
 use crate::compute::ecosystem::regions::NOWHERE;
 use crate::compute::ecosystem::regions::Regions;
 use crate::compute::ecosystem::species::AnimalSpecies;
@@ -39,6 +42,8 @@ pub struct Habitable<'a> {
     pub growth: &'a dyn PlantGrowth,
     /// The animals, the same that `regions` was made for.
     pub animals: &'a [AnimalSpecies],
+    /// Places that draw animals for their own sake.
+    pub way_points: &'a [WayPoint],
 }
 
 /// How animals compete and how their resources are cut into nodes.
@@ -153,8 +158,9 @@ fn settle_level(
     let first = state.rag.nodes.len();
     let LevelNodes { mut nodes, pools } = level_nodes(&offers, world.regions, (level, first), &options.nodes, run)?;
     drop(offers);
-    link_below(world.regions, &mut nodes, &state.rag.territories);
+    link_below(world.regions, &mut nodes, &state.rag);
     state.rag.nodes.append(&mut nodes);
+    let passed = add_way_points(world, (level, &species), &mut state.rag);
 
     let larder = Larder::new(&pools, |pool| seasons(pool, options));
     let homes = habitats(world, options, &species, &pools);
@@ -171,7 +177,7 @@ fn settle_level(
     }
     for home in contest.habitats.iter().filter(|home| home.individuals > 0) {
         state.stocks.settle(world.regions, world.animals, (home.species, home.region), home.individuals);
-        state.rag.territories.push(territory(world, options, home, &pools));
+        state.rag.territories.push(territory(world, options, home, (&pools, &passed)));
     }
     for (s, reason) in species.iter().zip(reasons) {
         let settled = contest.habitats.iter().any(|home| home.species == *s && home.individuals > 0);
@@ -226,14 +232,31 @@ fn food_field<'a>(world: &Habitable<'a>, food: Food, users: &[usize], state: &Po
 }
 
 /// Hierarchical edges: a node of prey points to the nodes that feed it.
-fn link_below(regions: &Regions, nodes: &mut [crate::compute::ecosystem::rag::Node], territories: &[Territory]) {
+fn link_below(regions: &Regions, nodes: &mut [Node], rag: &Rag) {
+    let feeds = |n: &usize| !matches!(rag.nodes[*n].resource, Resource::WayPoint(_));
     for node in nodes {
         if let Resource::Food(Food::Animal(prey)) = node.resource {
             let region = regions.region(prey, node.cell);
-            let home = territories.iter().find(|t| t.species == prey && Some(t.region) == region);
-            node.below = home.map(|t| t.nodes.clone()).unwrap_or_default();
+            let home = rag.territories.iter().find(|t| t.species == prey && Some(t.region) == region);
+            node.below = home.map(|t| t.nodes.iter().copied().filter(feeds).collect()).unwrap_or_default();
         }
     }
+}
+
+/// Adds the nodes of the way-points that draw animals of the level; each with the homes (species,
+/// region) that use it.
+fn add_way_points(
+    world: &Habitable<'_>,
+    (level, species): (usize, &[usize]),
+    rag: &mut Rag,
+) -> Vec<(usize, Vec<(usize, usize)>)> {
+    let made = way_point_nodes(world.way_points, world.regions, (level, species));
+    let mut passed = Vec::with_capacity(made.len());
+    for (node, homes) in made {
+        passed.push((rag.nodes.len(), homes));
+        rag.nodes.push(node);
+    }
+    passed
 }
 
 fn seasons(pool: &Pool, options: &FaunaOptions) -> Vec<f64> {
@@ -265,6 +288,7 @@ fn habitats(world: &Habitable<'_>, options: &FaunaOptions, species: &[usize], po
             let Some((_, region)) = pool.users.iter().find(|(user, _)| *user == s) else { continue };
             let home: &mut Habitat = &mut homes[first + region];
             match pool.resource {
+                Resource::WayPoint(_) => {}
                 Resource::Water => home.banks.push(p),
                 Resource::Food(food) => {
                     let liked = animal.diet.iter().filter(|d| d.food == food && d.preference > 0.0);
@@ -330,9 +354,16 @@ fn homes_by_part(regions: &Regions, species: &[usize], contest: &Contest<'_>) ->
     (0..count).filter_map(first_part).map(homes).collect()
 }
 
-fn territory(world: &Habitable<'_>, options: &FaunaOptions, home: &Habitat, pools: &[Pool]) -> Territory {
+fn territory(
+    world: &Habitable<'_>,
+    options: &FaunaOptions,
+    home: &Habitat,
+    (pools, passed): (&[Pool], &[(usize, Vec<(usize, usize)>)]),
+) -> Territory {
     let used = home.banks.iter().copied().chain(home.dishes.iter().map(|dish| dish.pool));
-    let mut nodes: Vec<usize> = used.flat_map(|pool| pools[pool].nodes.clone()).collect();
+    let here = passed.iter().filter(|(_, homes)| homes.contains(&(home.species, home.region)));
+    let mut nodes: Vec<usize> =
+        used.flat_map(|pool| pools[pool].nodes.clone()).chain(here.map(|(node, _)| *node)).collect();
     nodes.sort_unstable();
     let animal = &world.animals[home.species];
     let place = (home.species as u64) << 32 | home.region as u64;

@@ -60,6 +60,7 @@ impl Plain {
             plants: &self.plants,
             growth: &self.growth,
             animals,
+            way_points: &[],
         };
         let population = populate(&world, options, &run).unwrap();
         (regions, population)

@@ -1,6 +1,7 @@
 //! The day of one herd: Algorithm 3 of L, with the corrections named in the module above.
 
 use super::Activity;
+use super::Cause;
 use super::DAY_S;
 use super::Options;
 use super::Planned;
@@ -31,6 +32,7 @@ use std::ops::Range;
 const REST: Purpose = Purpose::new("planning.rest");
 const NEXT: Purpose = Purpose::new("planning.next");
 const STAY: Purpose = Purpose::new("planning.stay");
+const DUTY: Purpose = Purpose::new("planning.duty");
 const QUARRY: Purpose = Purpose::new("planning.quarry");
 
 /// Stays in a day, at most; with stays of ten minutes a day has no more.
@@ -163,6 +165,8 @@ struct Day<'a, 'b> {
     duties: Vec<Duty>,
     /// The herds it may follow, by position of the node that names them.
     quarry: Vec<Vec<usize>>,
+    /// A place that is kept for the herd where none was free at once.
+    booked: Option<Stop>,
     /// The prey that is followed, the node that names it, and until when.
     chase: Option<(usize, usize, f64)>,
     end: f64,
@@ -177,7 +181,7 @@ impl<'a, 'b> Day<'a, 'b> {
         let species = &scene.habitat.animals[herd.species];
         let quarry = home.prey.iter().map(|prey| quarry(scene, herd, prey)).collect();
         let end = species.active_from_s + species.active_s.clamp(0.0, DAY_S);
-        let (visits, duties, chase) = (Vec::new(), Vec::new(), None);
+        let (visits, duties, chase, booked) = (Vec::new(), Vec::new(), None, None);
         let (rest_cell, crowded_s, without_prey_s) = (0, 0.0, 0.0);
         Self {
             scene,
@@ -188,6 +192,7 @@ impl<'a, 'b> Day<'a, 'b> {
             visits,
             duties,
             quarry,
+            booked,
             chase,
             end,
             rest_cell,
@@ -202,15 +207,20 @@ impl<'a, 'b> Day<'a, 'b> {
         let (rest, roomy) = self.resting_place()?;
         self.begin(rest, roomy);
         for step in 0..MOST_VISITS {
-            let stops = self.stops()?;
+            let mut stops = self.stops()?;
+            if self.book(&stops, step)? {
+                stops = self.stops()?;
+            }
             match self.drawn(&stops, step)? {
                 Some(stop) => self.visit(stop, step)?,
                 None if self.can_wait(&stops)? => self.wait(!stops.is_empty()),
+                None if self.booked.is_some() => self.keep_booking()?,
                 None => break,
             }
         }
+        self.keep_booking()?;
         self.go_to_rest(rest, roomy)?;
-        let reasons = self.reasons(roomy);
+        let reasons = self.reasons(roomy)?;
         Ok((Planning { visits: self.visits }, reasons))
     }
 
@@ -231,11 +241,11 @@ impl<'a, 'b> Day<'a, 'b> {
     }
 
     /// A node to rest at, drawn from P_s(v) among those with room for the night from which the
-    /// mandatory resources can be reached and back; and whether it has room. Nodes without water
-    /// first, so that nobody sleeps where others drink.
+    /// mandatory resources can be reached and back; and whether it has room. Nodes with food
+    /// first, so that nobody sleeps where others drink or pass.
     fn resting_place(&mut self) -> Result<(usize, bool), Stopped> {
         let night = self.end..self.species.active_from_s + DAY_S;
-        let dry = |p: &usize| self.activity(*p) != Activity::Drink;
+        let dry = |p: &usize| matches!(self.activity(*p), Activity::Feed | Activity::Hunt);
         let mut open: Vec<usize> = (0..self.home.nodes.len()).filter(dry).collect();
         if open.iter().all(|&p| self.home.presence[p] <= 0.0) {
             open = (0..self.home.nodes.len()).collect();
@@ -293,7 +303,9 @@ impl<'a, 'b> Day<'a, 'b> {
     fn stops(&mut self) -> Result<Vec<Stop>, Stopped> {
         if let Some((position, prey, _)) = self.chase {
             let stop = self.meeting(position, prey, 1.0)?;
-            if let Some(stop) = stop {
+            if let Some(stop) = stop
+                && self.leaves_time(&stop, stop.arrive + self.scene.options.hunt_s)?
+            {
                 return Ok(vec![stop]);
             }
             self.chase = None;
@@ -317,11 +329,12 @@ impl<'a, 'b> Day<'a, 'b> {
             let elsewhere = self.home.nodes[position] != self.here().node;
             if self.activity(position) != Activity::Hunt && (elsewhere || first) {
                 let cell = self.node(position).cell;
-                alone &= !elsewhere || !self.home.reach.seconds(self.here().cell, cell)?.is_finite();
+                let aside = self.activity(position) == Activity::Pass || self.is_idle(position);
+                alone &= !elsewhere || aside || !self.home.reach.seconds(self.here().cell, cell)?.is_finite();
                 stops.extend(self.stop(position, cell, share)?);
             }
         }
-        if alone && self.activity_here() != Activity::Hunt {
+        if alone && !matches!(self.activity_here(), Activity::Hunt | Activity::Pass) {
             let position = self.position_here();
             stops.extend(self.stop(position, self.here().cell, 1.0)?);
         }
@@ -349,11 +362,77 @@ impl<'a, 'b> Day<'a, 'b> {
         if !seconds.is_finite() {
             return Ok(None);
         }
-        let back = self.home.reach.seconds(cell, self.rest_cell)?;
-        let until = self.end - back;
+        let until = self.deadline(cell)?;
         let weight = if self.visits.len() == 1 { share } else { pull(share, seconds) };
         let stop = Stop { position, cell, arrive: now + seconds, until, prey: None, weight };
-        Ok((stop.arrive + self.scene.options.stay_s.min <= until).then_some(stop))
+        Ok((stop.arrive + self.shortest(position) <= until).then_some(stop))
+    }
+
+    /// When a cell must be left at the latest: in time for the place that is booked, else for the
+    /// night.
+    fn deadline(&mut self, cell: usize) -> Result<f64, Stopped> {
+        let (next, due) = self.booked.map_or((self.rest_cell, self.end), |stop| (stop.cell, stop.arrive));
+        Ok(due - self.home.reach.seconds(cell, next)?)
+    }
+
+    /// Keeps a place for what is due, when none of `stops` has room for it: the first in time that
+    /// there is at any of its nodes, for the shortest stay (ours: Algorithm 3 looks for room only
+    /// when a herd comes by, and who comes late finds none all day). Says whether it did.
+    fn book(&mut self, stops: &[Stop], step: u64) -> Result<bool, Stopped> {
+        if self.booked.is_some() {
+            return Ok(false);
+        }
+        let now = self.here().leave_s;
+        let open: Vec<Activity> =
+            stops.iter().filter(|s| self.leave(s, step).is_some()).map(|s| self.activity(s.position)).collect();
+        let lacks = |duty: &Duty| duty.due <= now && duty.activity != Activity::Hunt && !open.contains(&duty.activity);
+        let Some(which) = self.duties.iter().position(lacks) else { return Ok(false) };
+        let mut first: Option<Stop> = None;
+        for position in 0..self.home.nodes.len() {
+            if self.activity(position) == self.duties[which].activity && self.home.presence[position] > 0.0 {
+                let gap = self.gap(position)?;
+                first = [first, gap].into_iter().flatten().min_by(|a, b| a.arrive.total_cmp(&b.arrive));
+            }
+        }
+        let Some(stop) = first else { return Ok(false) };
+        let room = self.room(stop.position);
+        self.taken.take(room, stop.arrive..stop.until, self.herd.size);
+        self.duties.remove(which);
+        self.chase = None;
+        self.booked = Some(stop);
+        Ok(true)
+    }
+
+    /// The first time that there is room for the shortest stay at a node, going there from here.
+    fn gap(&mut self, position: usize) -> Result<Option<Stop>, Stopped> {
+        let (cell, shortest) = (self.node(position).cell, self.shortest(position));
+        let from = self.here().leave_s + self.home.reach.seconds(self.here().cell, cell)?;
+        let to = self.end - self.home.reach.seconds(cell, self.rest_cell)?;
+        let room = self.room(position);
+        let others = self.scene.rooms.capacity[room].checked_sub(self.herd.size);
+        let Some(others) = others.filter(|_| from.is_finite() && to.is_finite() && from < to) else { return Ok(None) };
+        let arrive = self.taken.first_gap(room, from..to, (shortest, others));
+        Ok(arrive.map(|arrive| Stop { position, cell, arrive, until: arrive + shortest, prey: None, weight: 1.0 }))
+    }
+
+    /// Waits until it is time for the place that is booked, and goes there.
+    fn keep_booking(&mut self) -> Result<(), Stopped> {
+        let Some(stop) = self.booked.take() else { return Ok(()) };
+        let Visit { cell, leave_s: now, .. } = *self.here();
+        let leave = stop.arrive - self.home.reach.seconds(cell, stop.cell)?;
+        if leave > now {
+            self.crowded_s += leave - now;
+            self.push(self.position_here(), cell, now..leave, (Activity::Wait, None));
+        }
+        let activity = self.activity(stop.position);
+        self.push(stop.position, stop.cell, stop.arrive..stop.until, (activity, None));
+        Ok(())
+    }
+
+    /// The shortest stay at a node, seconds.
+    fn shortest(&self, position: usize) -> f64 {
+        let Options { stay_s, pass_s, .. } = self.scene.options;
+        if self.activity(position) == Activity::Pass { *pass_s } else { stay_s.min }
     }
 
     /// A stop where a prey herd is.
@@ -365,15 +444,23 @@ impl<'a, 'b> Day<'a, 'b> {
         let Some(met) = meetings(day, now, (shortest, PATIENCE_S), |cell| reach.seconds(here, cell))? else {
             return Ok(None);
         };
-        let until = met.until.min(self.end - reach.seconds(met.cell, self.rest_cell)?);
+        let until = met.until.min(self.deadline(met.cell)?);
         let weight = if self.visits.len() == 1 { share } else { pull(share, met.from - now) };
         let stop = Stop { position, cell: met.cell, arrive: met.from, until, prey: Some(prey), weight };
         Ok((met.from + shortest <= until).then_some(stop))
     }
 
-    /// The next stop, drawn by weight among those with room: of what is due, else of all; first of
-    /// those that leave time for what is still mandatory, so that nobody walks past the nearest
-    /// water and has no time to drink again.
+    /// Whether a node is for drinking and the herd has drunk as often as it should: it leaves the
+    /// banks to others while there is anything else to do (ours; so drinking takes the share of
+    /// the time that equation 1 gives it).
+    fn is_idle(&self, position: usize) -> bool {
+        let thirsty = self.duties.iter().any(|duty| duty.activity == Activity::Drink);
+        self.activity(position) == Activity::Drink && !thirsty
+    }
+
+    /// The next stop, drawn by weight among those with room: of what is due, else of all but idle
+    /// drinks, else of these; first of those that leave time for what is still mandatory, so that
+    /// nobody walks past the nearest water and has no time to drink again.
     fn drawn(&mut self, stops: &[Stop], step: u64) -> Result<Option<Stop>, Stopped> {
         let mut open: Vec<(Stop, bool)> = Vec::new();
         for stop in stops {
@@ -383,18 +470,25 @@ impl<'a, 'b> Day<'a, 'b> {
         }
         let now = self.here().leave_s;
         let due = self.duties.iter().filter(|duty| duty.due <= now).map(|duty| duty.activity);
-        let kinds: Vec<Option<Activity>> = due.map(Some).chain([None]).collect();
+        let mut due: Vec<Option<Activity>> = due.map(Some).collect();
+        due.dedup();
+        // Not all herds to the same at once: who eats first leaves room for who drinks first.
+        let first = (self.random(DUTY, step) * due.len() as f64) as usize;
+        due.rotate_left(first);
+        let kinds: Vec<Option<Activity>> = due.into_iter().chain([None]).collect();
         let random = self.random(NEXT, step);
-        let draw = |kind: Option<Activity>, timely: bool| {
+        let draw = |kind: Option<Activity>, timely: bool, idle: bool| {
             let fits = |(stop, in_time): &&(Stop, bool)| {
-                *in_time == timely && kind.is_none_or(|activity| self.activity(stop.position) == activity)
+                let wanted = kind.is_none_or(|activity| self.activity(stop.position) == activity);
+                *in_time == timely && wanted && self.is_idle(stop.position) == idle
             };
             let fitting: Vec<Stop> = open.iter().filter(fits).map(|(stop, _)| *stop).collect();
             let weights: Vec<f64> = fitting.iter().map(|stop| stop.weight).collect();
             weighted(&weights, random).map(|k| fitting[k])
         };
-        let mut order = [true, false].into_iter().flat_map(|timely| kinds.iter().map(move |kind| (*kind, timely)));
-        Ok(order.find_map(|(kind, timely)| draw(kind, timely)))
+        let by_kind = |timely: bool| kinds.iter().map(move |kind| (*kind, timely, false));
+        let order = by_kind(true).chain(by_kind(false)).chain([(None, true, true), (None, false, true)]);
+        Ok(order.into_iter().find_map(|(kind, timely, idle)| draw(kind, timely, idle)))
     }
 
     /// Whether the other mandatory resources can still be visited after leaving a stop, each at the
@@ -413,7 +507,7 @@ impl<'a, 'b> Day<'a, 'b> {
                 (here, now) = (cell, now + seconds + shortest);
             }
         }
-        Ok(now + self.home.reach.seconds(here, self.rest_cell)? <= self.end)
+        Ok(now <= self.deadline(here)?)
     }
 
     /// When the herd would leave the stop again; `None` when there is no room for it until then.
@@ -428,8 +522,11 @@ impl<'a, 'b> Day<'a, 'b> {
 
     /// t_s(v): between the shortest and the longest stay by how much more the herd finds there
     /// than it needs a day (ours: the text says "according to the species' needs and the amount of
-    /// resource"); the shortest by water, which never runs out.
+    /// resource"); the shortest by water, which never runs out. Way-points are passed.
     fn stay(&self, position: usize, step: u64) -> f64 {
+        if self.activity(position) == Activity::Pass {
+            return self.scene.options.pass_s;
+        }
         let range = self.scene.options.stay_s;
         let found = self.node(position).quantity_kg;
         let need = self.species.food_kg_per_year * f64::from(self.herd.size);
@@ -441,8 +538,10 @@ impl<'a, 'b> Day<'a, 'b> {
     fn visit(&mut self, stop: Stop, step: u64) -> Result<(), Stopped> {
         let leave = self.leave(&stop, step).unwrap_or(stop.until);
         let activity = self.activity(stop.position);
-        let room = self.room(stop.position);
-        self.taken.take(room, stop.arrive..leave, self.herd.size);
+        if activity != Activity::Pass {
+            let room = self.room(stop.position);
+            self.taken.take(room, stop.arrive..leave, self.herd.size);
+        }
         if let Some(done) = self.duties.iter().position(|duty| duty.activity == activity) {
             self.duties.remove(done);
         }
@@ -460,8 +559,8 @@ impl<'a, 'b> Day<'a, 'b> {
     fn can_wait(&mut self, stops: &[Stop]) -> Result<bool, Stopped> {
         let hunts = self.home.prey.iter().any(|prey| !prey.is_empty());
         let until = self.here().leave_s + self.scene.options.wait_s + self.scene.options.hunt_s;
-        let back = self.home.reach.seconds(self.here().cell, self.rest_cell)?;
-        Ok((hunts || !stops.is_empty()) && until + back <= self.end)
+        let deadline = self.deadline(self.here().cell)?;
+        Ok((hunts || !stops.is_empty()) && until <= deadline)
     }
 
     fn wait(&mut self, crowded: bool) {
@@ -490,12 +589,48 @@ impl<'a, 'b> Day<'a, 'b> {
         Ok(())
     }
 
-    fn reasons(&self, roomy: bool) -> Vec<Reason> {
-        let mut reasons: Vec<Reason> = self.duties.iter().map(|duty| Reason::Missed(duty.activity)).collect();
-        reasons.extend((self.crowded_s > 0.0).then_some(Reason::Crowded(self.crowded_s)));
+    fn reasons(&mut self, roomy: bool) -> Result<Vec<Reason>, Stopped> {
+        let missed: Vec<Activity> = self.duties.iter().map(|duty| duty.activity).collect();
+        let mut reasons = Vec::new();
+        for activity in missed {
+            reasons.push(Reason::Missed(activity, self.cause(activity)?));
+        }
+        let waited = self.crowded_s >= self.scene.options.wait_s;
+        reasons.extend(waited.then_some(Reason::Crowded(self.crowded_s)));
         reasons.extend((self.without_prey_s > 0.0).then_some(Reason::PreyOutOfReach(self.without_prey_s)));
         reasons.extend((!roomy).then_some(Reason::NoRoomToRest));
-        reasons
+        Ok(reasons)
+    }
+
+    /// Why nothing came of an activity: the least of what stood in the way at its nodes.
+    fn cause(&mut self, activity: Activity) -> Result<Cause, Stopped> {
+        if activity == Activity::Hunt {
+            return Ok(Cause::NoPrey);
+        }
+        let mut cause = Cause::NoWay;
+        for position in 0..self.home.nodes.len() {
+            if self.activity(position) == activity && self.home.presence[position] > 0.0 {
+                cause = cause.max(self.cause_at(position)?);
+            }
+        }
+        Ok(cause)
+    }
+
+    /// What stands in the way of going from the resting place to a node and back.
+    fn cause_at(&mut self, position: usize) -> Result<Cause, Stopped> {
+        let (cell, shortest) = (self.node(position).cell, self.shortest(position));
+        let there = self.home.reach.seconds(self.rest_cell, cell)?;
+        let back = self.home.reach.seconds(cell, self.rest_cell)?;
+        let (from, to) = (self.species.active_from_s + there, self.end - back);
+        let room = self.room(position);
+        let others = self.scene.rooms.capacity[room].checked_sub(self.herd.size);
+        Ok(match others {
+            _ if !(there + back).is_finite() => Cause::NoWay,
+            _ if from + shortest > to => Cause::TooFar,
+            None => Cause::TooSmall,
+            Some(others) if self.taken.first_gap(room, from..to, (shortest, others)).is_none() => Cause::NoRoom,
+            Some(_) => Cause::NoTime,
+        })
     }
 
     /// Adds a stay, or prolongs the last one when nothing else changes.

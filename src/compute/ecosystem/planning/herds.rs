@@ -52,7 +52,11 @@ pub(crate) fn independent(
 ) -> Vec<(Vec<usize>, Vec<usize>)> {
     let mut root: Vec<usize> = (0..rooms.capacity.len()).collect();
     let chosen: Vec<usize> = (0..herds.len()).filter(|&h| of_level(&herds[h])).collect();
-    let rooms_of = |h: usize| rag.territories[herds[h].territory].nodes.iter().map(|&n| rooms.of_node[n]);
+    let limited = |room: &usize| rooms.capacity[*room] < u32::MAX;
+    let rooms_of = |h: usize| {
+        let nodes = rag.territories[herds[h].territory].nodes.iter();
+        nodes.map(|&n| rooms.of_node[n]).filter(limited)
+    };
     for &h in &chosen {
         let first = rooms_of(h).next().map(|room| find(&mut root, room));
         for room in rooms_of(h) {

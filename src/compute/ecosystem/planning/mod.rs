@@ -57,6 +57,8 @@ pub struct Options {
     pub stay_s: Interval,
     /// Shortest stay by prey that may move on, seconds. Default: 600 (ours).
     pub hunt_s: f64,
+    /// How long a herd is at a way-point that it passes, seconds, 0..=86 400. Default: 600 (ours).
+    pub pass_s: f64,
     /// How long a herd waits for room before it looks again, seconds, at least 300. Default:
     /// 1 800 (ours).
     pub wait_s: f64,
@@ -73,6 +75,7 @@ impl Default for Options {
             drinking: Drinking::default(),
             stay_s: Interval::new(5400.0, 9000.0),
             hunt_s: 600.0,
+            pass_s: 600.0,
             wait_s: 1800.0,
             m2_each: 25.0,
             seed: 0,
@@ -86,6 +89,7 @@ impl Options {
         Self {
             stay_s: Interval::new(min, self.stay_s.max.clamp(min, DAY_S)),
             hunt_s: self.hunt_s.clamp(60.0, min),
+            pass_s: self.pass_s.clamp(0.0, DAY_S),
             wait_s: self.wait_s.clamp(300.0, DAY_S),
             m2_each: self.m2_each.max(0.01),
             ..*self
@@ -106,6 +110,8 @@ pub enum Activity {
     Rest,
     /// Waits beside the node, where there is no room for it or nothing to do; takes no room.
     Wait,
+    /// Passes a way-point; takes no room.
+    Pass,
 }
 
 impl Activity {
@@ -115,6 +121,7 @@ impl Activity {
             Resource::Water => Self::Drink,
             Resource::Food(Food::Plant(_)) => Self::Feed,
             Resource::Food(Food::Animal(_)) => Self::Hunt,
+            Resource::WayPoint(_) => Self::Pass,
         }
     }
 }
@@ -158,14 +165,33 @@ pub struct Planning {
 /// Why a planning is not as it should be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reason {
-    /// No node had room, so the herd waited, this many seconds in all.
+    /// No node had room, so the herd waited, this many seconds in all, at least
+    /// [`Options::wait_s`].
     Crowded(f64),
     /// No node has room for the herd to rest all night: it rests beside one.
     NoRoomToRest,
-    /// A mandatory resource was not reached within the active day, or had no room.
-    Missed(Activity),
+    /// A mandatory resource was not visited as often as it should be, and why.
+    Missed(Activity, Cause),
     /// No prey could be met, so the herd waited, this many seconds in all.
     PreyOutOfReach(f64),
+}
+
+/// Why a mandatory resource was missed: of all its nodes in the territory, what stood in the way at
+/// the one where least did. Later ones are the lesser hindrances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Cause {
+    /// There is no way from the resting place to it and back.
+    NoWay,
+    /// The way there and back and the shortest stay take longer than the active day.
+    TooFar,
+    /// It does not hold the whole herd, even when nobody else is there.
+    TooSmall,
+    /// Others leave too little room at every time of the day at which the herd could be there.
+    NoRoom,
+    /// There was room at some time of the day, but not when the herd came by.
+    NoTime,
+    /// The prey is not met.
+    NoPrey,
 }
 
 /// A herd and what went wrong with its day.

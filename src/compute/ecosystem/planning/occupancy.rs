@@ -38,11 +38,12 @@ impl Rooms {
 
 /// **Node capacity**: individuals that a node holds at a time, at least one. A bank is as long as
 /// its cells, and as wide as one of them or as an individual, whichever is more, so that it does
-/// not hold fewer on finer cells.
+/// not hold fewer on finer cells. Any number pass a way-point.
 pub fn capacity(node: &Node, cell_m: f64, m2_each: f64) -> u32 {
     let wider = match node.resource {
         Resource::Water => (m2_each.sqrt() / cell_m).max(1.0),
         Resource::Food(_) => 1.0,
+        Resource::WayPoint(_) => return u32::MAX,
     };
     (node.area_m2 * wider / m2_each).max(1.0) as u32
 }
@@ -73,6 +74,28 @@ impl Occupancy {
     pub(crate) fn peak(&self, room: usize, when: Range<f64>) -> u32 {
         let Some(room) = self.rooms.get(&room) else { return 0 };
         pieces(when).into_iter().flatten().map(|piece| room.peak(piece)).max().unwrap_or(0)
+    }
+
+    /// The first moment within `when` from which at most `others` individuals are in a room for
+    /// `length` seconds on end, still within it.
+    pub(crate) fn first_gap(&self, room: usize, when: Range<f64>, (length, others): (f64, u32)) -> Option<f64> {
+        let Some(room) = self.rooms.get(&room) else {
+            return (when.end - when.start >= length).then_some(when.start);
+        };
+        let (mut clock, mut since) = (when.start, None);
+        for (from, to) in pieces(when).into_iter().flatten() {
+            let first = room.levels.partition_point(|(start, _)| *start <= from).saturating_sub(1);
+            for (i, (start, level)) in room.levels.iter().enumerate().skip(first).take_while(|(_, l)| l.0 < to) {
+                let end = room.levels.get(i + 1).map_or(DAY_S, |next| next.0);
+                let (begins, ends) = (clock + start.max(from) - from, clock + end.min(to) - from);
+                since = (*level <= others).then(|| since.unwrap_or(begins));
+                if let Some(since) = since.filter(|since| ends - since >= length) {
+                    return Some(since);
+                }
+            }
+            clock += to - from;
+        }
+        None
     }
 
     /// The most individuals in a room at any moment of the day.
@@ -165,6 +188,24 @@ mod tests {
             assert_eq!(rooms.peak(0, when), minutes(from..from + 100));
         }
         assert_eq!(rooms.most(0), minutes(0..1440));
+    }
+
+    #[test]
+    fn a_gap_is_as_long_as_there_is_room_on_end_past_midnight_too() {
+        let mut rooms = Occupancy::default();
+        rooms.take(0, 6.0 * HOUR..10.0 * HOUR, 20);
+        rooms.take(0, 12.0 * HOUR..22.0 * HOUR, 20);
+        let gap = |from: f64, to: f64, hours: f64| {
+            rooms.first_gap(0, from * HOUR..to * HOUR, (hours * HOUR, 5)).map(|start| start / HOUR)
+        };
+        assert_eq!([gap(6.0, 14.0, 2.0), gap(6.0, 14.0, 2.1), gap(6.0, 11.0, 1.5)], [Some(10.0), None, None]);
+        assert_eq!([gap(12.0, 30.0, 7.9), gap(12.0, 30.0, 8.1), gap(11.0, 30.0, 1.0)], [Some(22.0), None, Some(11.0)]);
+        assert_eq!(gap(26.0, 37.0, 1.5), Some(26.0));
+        assert_eq!(gap(30.0, 37.0, 2.0), Some(34.0));
+        assert_eq!(rooms.first_gap(0, 0.0..DAY_S, (DAY_S, 20)), Some(0.0));
+        assert_eq!(rooms.first_gap(0, 0.0..DAY_S, (DAY_S, 19)), None);
+        assert_eq!(rooms.first_gap(7, HOUR..2.0 * HOUR, (HOUR, 0)), Some(HOUR));
+        assert_eq!(rooms.first_gap(7, 0.0..HOUR, (2.0 * HOUR, 0)), None);
     }
 
     #[test]

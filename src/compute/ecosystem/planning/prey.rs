@@ -3,6 +3,7 @@
 
 use super::DAY_S;
 use super::Planning;
+use super::Visit;
 
 /// How far before its prey a hunter may arrive, seconds (ours).
 pub(crate) const PATIENCE_S: f64 = 3600.0;
@@ -27,7 +28,7 @@ pub(crate) fn meetings<E>(
     mut travel: impl FnMut(usize) -> Result<f64, E>,
 ) -> Result<Option<Meeting>, E> {
     let mut best: Option<Meeting> = None;
-    for stay in prey.visits.iter().filter(|visit| visit.leave_s > visit.arrive_s) {
+    for stay in stays(prey) {
         let seconds = travel(stay.cell)?;
         if !seconds.is_finite() {
             continue;
@@ -45,11 +46,26 @@ pub(crate) fn meetings<E>(
     Ok(best)
 }
 
+/// Where the prey is and from when to when, whatever it does there: who feeds and then waits at
+/// the same place is there all the time, and so is who rests there and feeds the next morning.
+fn stays(prey: &Planning) -> Vec<Visit> {
+    let together = |a: &Visit, b: &Visit| a.cell == b.cell && a.leave_s == b.arrive_s;
+    let merged = |visits: &[Visit]| Visit { leave_s: visits[visits.len() - 1].leave_s, ..visits[0] };
+    let mut stays: Vec<Visit> = prey.visits.chunk_by(together).map(merged).collect();
+    if let [first, .., last] = stays.as_mut_slice()
+        && first.cell == last.cell
+    {
+        last.leave_s += first.leave_s - first.arrive_s;
+        stays.remove(0);
+    }
+    stays.retain(|stay| stay.leave_s > stay.arrive_s);
+    stays
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::compute::ecosystem::planning::Activity;
-    use crate::compute::ecosystem::planning::Visit;
 
     const HOUR: f64 = 3600.0;
 
@@ -70,9 +86,16 @@ mod tests {
         // Too late for the first stay: it lies in wait at the next.
         let meeting = meet(8.0, HOUR).unwrap();
         assert_eq!((meeting.cell, meeting.from, meeting.until), (2, 10.0 * HOUR, 20.0 * HOUR));
-        // After midnight on the hunter's clock the prey still rests, or begins its next day.
-        assert_eq!(meet(26.0, 60.0).unwrap().until, 30.0 * HOUR);
+        // After midnight on the hunter's clock the prey still rests, and begins its next day there.
+        assert_eq!(meet(26.0, 60.0).unwrap().until, 33.0 * HOUR);
         assert_eq!(meet(31.0, 60.0).unwrap().until, 33.0 * HOUR);
+    }
+
+    #[test]
+    fn prey_that_feeds_and_then_waits_at_the_same_place_is_there_all_the_time() {
+        let prey = Planning { visits: vec![visit(1, 6.0, 9.0), visit(1, 9.0, 11.0), visit(2, 12.0, 20.0)] };
+        let met = meetings(&prey, 8.9 * HOUR, (600.0, HOUR), |_| Ok::<f64, ()>(60.0)).unwrap().unwrap();
+        assert_eq!((met.cell, met.until), (1, 11.0 * HOUR));
     }
 
     #[test]

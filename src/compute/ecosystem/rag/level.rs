@@ -182,10 +182,7 @@ fn outline(
 
 impl Piece {
     fn add(&mut self, cell: usize, (column, row): (f64, f64)) {
-        match self.area.runs.last_mut() {
-            Some((first, n)) if (*first + *n) as usize == cell => *n += 1,
-            _ => self.area.runs.push((cell as u32, 1)),
-        }
+        self.area.push(cell);
         let n = self.cells as f64;
         let distance = (self.columns / n - column).powi(2) + (self.rows / n - row).powi(2);
         if self.nearest.is_none_or(|(least, _)| distance < least) {
@@ -221,6 +218,7 @@ fn assemble(
                     place: grid.centre(cell),
                     area_m2: piece.cells as f64 * grid.cell_area_m2(),
                     quantity_kg,
+                    draws: 0.0,
                     below: Vec::new(),
                 });
             }

@@ -6,8 +6,13 @@ pub(crate) mod field;
 pub(crate) mod level;
 mod patches;
 pub(crate) mod pools;
+mod way_points;
 
 pub use field::PlantGrowth;
+pub use way_points::WayPoint;
+pub use way_points::reached;
+
+pub(crate) use way_points::way_point_nodes;
 
 use crate::compute::ecosystem::species::Food;
 use crate::compute::geometry::Point;
@@ -19,6 +24,8 @@ pub enum Resource {
     Water,
     /// Food: the growth that can be spared of a plant or an animal species.
     Food(Food),
+    /// A place that animals pass, not for what it offers: the **way-point** with this number.
+    WayPoint(usize),
 }
 
 /// A set of cells of the terrain, as runs of consecutive cells in row-major order.
@@ -29,6 +36,21 @@ pub struct Area {
 }
 
 impl Area {
+    /// The area of `cells`, which ascend.
+    pub fn of(cells: impl Iterator<Item = usize>) -> Self {
+        let mut area = Self::default();
+        cells.for_each(|cell| area.push(cell));
+        area
+    }
+
+    /// Adds a cell after all others.
+    pub(crate) fn push(&mut self, cell: usize) {
+        match self.runs.last_mut() {
+            Some((first, n)) if (*first + *n) as usize == cell => *n += 1,
+            _ => self.runs.push((cell as u32, 1)),
+        }
+    }
+
     /// The cells, ascending.
     pub fn cells(&self) -> impl Iterator<Item = usize> + '_ {
         self.runs.iter().flat_map(|&(first, n)| first as usize..(first + n) as usize)
@@ -60,8 +82,11 @@ pub struct Node {
     pub place: Point,
     /// Area in m² (of a water node: of the bank cells).
     pub area_m2: f64,
-    /// q(r, v): kg a year that can be taken without loss; infinite for water.
+    /// q(r, v): kg a year that can be taken without loss; infinite for water, 0 for way-points.
     pub quantity_kg: f64,
+    /// The share of their moves that its users make to it for its own sake, 0..=1: that of a
+    /// [`WayPoint`], 0 for what is used.
+    pub draws: f64,
     /// **Hierarchical edges**: indices of the nodes of the level below that made this one.
     pub below: Vec<usize>,
 }

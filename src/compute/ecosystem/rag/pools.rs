@@ -74,7 +74,7 @@ pub(super) fn allot(groups: &mut [Group], kinds: &[Resource], reach: &Reach, opt
     let mut patch = cells as f64 / options.max_nodes.max(1) as f64;
     let splits = |group: &Group, patch: f64| match kinds[group.resource] {
         _ if group.users.is_empty() => 0,
-        Resource::Food(Food::Animal(_)) => 1,
+        Resource::Food(Food::Animal(_)) | Resource::WayPoint(_) => 1,
         // A bank is a line: a patch of a side √patch holds about that many cells of it.
         Resource::Water => (group.cells as f64 / patch.sqrt().max(1.0)).round().max(1.0) as usize,
         Resource::Food(_) => (group.cells as f64 / patch.max(1.0)).round().max(1.0) as usize,
@@ -94,7 +94,7 @@ pub(super) fn allot(groups: &mut [Group], kinds: &[Resource], reach: &Reach, opt
 /// largest group of each resource stays to the last.
 fn main_groups(groups: &[Group], kinds: &[Resource], territory: &[usize], most: usize) -> Vec<usize> {
     let amount = |g: usize| match kinds[groups[g].resource] {
-        Resource::Water => groups[g].cells as f64,
+        Resource::Water | Resource::WayPoint(_) => groups[g].cells as f64,
         Resource::Food(_) => groups[g].kg,
     };
     let mut sums = vec![(0.0, 0.0_f64); kinds.len()];

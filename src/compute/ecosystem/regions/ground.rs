@@ -32,7 +32,8 @@ pub struct Place {
 pub struct Passages {
     /// **Fords**: water is crossed there whatever its depth.
     pub fords: Vec<Place>,
-    /// **Way-points**: slope and vegetation are no obstacle there (L 7.2).
+    /// The places of **way-points**: slope and vegetation are no obstacle there (ours; what draws
+    /// animals to them is a [`crate::compute::ecosystem::rag::WayPoint`]).
     pub waypoints: Vec<Place>,
 }
 
@@ -62,6 +63,11 @@ fn cells_of(grid: &Grid, places: &[Place]) -> Vec<u32> {
     cells.sort_unstable();
     cells.dedup();
     cells
+}
+
+/// The cells of a place, ascending.
+pub(crate) fn cells_of_place(grid: &Grid, place: &Place) -> Vec<usize> {
+    cells_of(grid, std::slice::from_ref(place)).into_iter().map(|cell| cell as usize).collect()
 }
 
 fn disk(grid: &Grid, place: &Place) -> Vec<u32> {

@@ -17,6 +17,7 @@ pub use ground::Passages;
 pub use ground::Place;
 
 pub(crate) use ground::OpenedCells;
+pub(crate) use ground::cells_of_place;
 pub(crate) use ground::is_open;
 
 use crate::compute::ecosystem::species::AnimalSpecies;

@@ -86,7 +86,10 @@ fn weigh(rag: &Rag, animals: &[AnimalSpecies], index: usize, choice: &Choice) ->
     let n = territory.nodes.len();
     let at = presence(rag, territory, species, &choice.drinking);
     let next: Vec<Vec<f64>> = (0..n).map(|v| onward(territory, &at, v)).collect();
-    let moved = mass * moves_a_year(territory, species, (&at, &next), choice.stay_s);
+    // Nobody stays at a way-point.
+    let passing: f64 =
+        territory.nodes.iter().zip(&at).filter(|(n, _)| rag.nodes[**n].draws > 0.0).map(|(_, p)| p).sum();
+    let moved = mass * moves_a_year(territory, species, (&at, &next), choice.stay_s * (1.0 - passing));
     let pairs = (0..n).flat_map(|from| (from + 1..n).map(move |to| (from, to)));
     pairs
         .map(|(from, to)| Journey {
