@@ -278,6 +278,8 @@ fn herds_pass_a_way_point_on_their_rounds_and_their_paths_lead_over_it() {
         let day = &plans.days[track.herd];
         assert!(day.visits.iter().filter(|v| v.activity == Activity::Pass).all(|v| v.leave_s - v.arrive_s == 600.0));
         assert!(count(day, Activity::Drink) >= 2 && count(day, Activity::Feed) >= 1, "nobody lives on passing");
+        let twice = |w: &[Visit]| w.iter().all(|v| v.activity == Activity::Pass);
+        assert!(!day.visits.windows(2).any(twice), "there is one way-point, passed once at a time");
     }
 }
 

@@ -326,7 +326,7 @@ impl<'a, 'b> Day<'a, 'b> {
                 stops.extend(self.meetings(position, share, &self.home.prey[position].clone())?);
             }
             stops.extend(met);
-            let elsewhere = self.home.nodes[position] != self.here().node;
+            let elsewhere = self.home.nodes[position] != self.here().node && !self.just_passed(position);
             if self.activity(position) != Activity::Hunt && (elsewhere || first) {
                 let cell = self.node(position).cell;
                 let aside = self.activity(position) == Activity::Pass || self.is_idle(position);
@@ -339,6 +339,12 @@ impl<'a, 'b> Day<'a, 'b> {
             stops.extend(self.stop(position, self.here().cell, 1.0)?);
         }
         Ok(stops)
+    }
+
+    /// Whether a way-point was passed since the last stay: nobody walks to and fro between two.
+    fn just_passed(&self, position: usize) -> bool {
+        let passes = self.visits.iter().rev().take_while(|visit| visit.activity == Activity::Pass);
+        passes.into_iter().any(|visit| visit.node == self.home.nodes[position])
     }
 
     /// The stops where the herds of a prey are, which share the pull of their node by size; the one
