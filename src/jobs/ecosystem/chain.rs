@@ -410,7 +410,6 @@ fn fauna_options(context: &JobContext<'_>, request: &Request) -> FaunaOptions {
         max_density_per_km2: (0..request.animals.species.len()).map(|s| max_density(request, s)).collect(),
         plant_seasons: vec![seasons(request); request.plants.species.len()],
         nodes: NodeOptions { min_area_m2: least_area_m2(request), ..NodeOptions::default() },
-        ..FaunaOptions::default()
     }
 }
 

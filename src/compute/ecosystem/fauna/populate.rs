@@ -243,13 +243,11 @@ fn link_below(regions: &Regions, nodes: &mut [Node], rag: &Rag) {
     }
 }
 
-/// Adds the nodes of the way-points that draw animals of the level; each with the homes (species,
-/// region) that use it.
-fn add_way_points(
-    world: &Habitable<'_>,
-    (level, species): (usize, &[usize]),
-    rag: &mut Rag,
-) -> Vec<(usize, Vec<(usize, usize)>)> {
+/// The node of a way-point, and the homes (species, region) that use it.
+type Passed = (usize, Vec<(usize, usize)>);
+
+/// Adds the nodes of the way-points that draw animals of the level.
+fn add_way_points(world: &Habitable<'_>, (level, species): (usize, &[usize]), rag: &mut Rag) -> Vec<Passed> {
     let made = way_point_nodes(world.way_points, world.regions, (level, species));
     let mut passed = Vec::with_capacity(made.len());
     for (node, homes) in made {
@@ -358,7 +356,7 @@ fn territory(
     world: &Habitable<'_>,
     options: &FaunaOptions,
     home: &Habitat,
-    (pools, passed): (&[Pool], &[(usize, Vec<(usize, usize)>)]),
+    (pools, passed): (&[Pool], &[Passed]),
 ) -> Territory {
     let used = home.banks.iter().copied().chain(home.dishes.iter().map(|dish| dish.pool));
     let here = passed.iter().filter(|(_, homes)| homes.contains(&(home.species, home.region)));
