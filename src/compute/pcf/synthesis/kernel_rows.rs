@@ -7,6 +7,10 @@ const PHASES: usize = 16;
 /// In trials the kernel is left out beyond this many σ (5·10⁻⁶ of its peak).
 const CUT_OFF_SIGMAS: f64 = 3.5;
 
+/// Partners more than this many σ beyond the end of the axis are left out: of the kernel around
+/// the end 2·10⁻⁴ lie there.
+const TAIL_SIGMAS: f64 = 2.5;
+
 /// Values that are worked on together.
 pub(super) const LANES: usize = 4;
 
@@ -19,6 +23,7 @@ pub(super) const LANES: usize = 4;
 pub(super) struct KernelRows {
     per_step: f64,
     step: f64,
+    tail: f64,
     half: usize,
     width: usize,
     bins: usize,
@@ -40,6 +45,7 @@ impl KernelRows {
         Self {
             per_step: PHASES as f64 / step,
             step,
+            tail: TAIL_SIGMAS * sigma,
             half,
             width,
             bins: axis.bins(),
@@ -85,7 +91,7 @@ impl KernelRows {
 
     /// The farthest place that still adds to a row that ends at `extent`.
     pub(super) fn reach(&self, extent: f64) -> f64 {
-        extent + self.half as f64 * self.step
+        extent + (self.half as f64 * self.step).min(self.tail)
     }
 }
 

@@ -70,23 +70,24 @@ pub(super) fn improve(
     let limits = patch.errors_of(&begun);
     let mut scales: Vec<f64> = limits.iter().map(|e| e.max(LEAST_SCALE)).collect();
     let triplet_scales: Vec<f64> = patch.triplet_errors(&begun).iter().map(|e| e.max(LEAST_TRIPLET_SCALE)).collect();
-    let iterations = refine_within(patch, (scales.clone(), &limits), options, run)?;
-    let mut individuals = patch.individuals();
+    let (iterations, mut individuals) = refine_within(patch, begun, (scales.clone(), &limits), (options, run))?;
     let mut improved = Improved { iterations, ..Improved::default() };
     let shorter = SynthesisOptions { max_iterations: options.max_iterations / AGAIN_SHORTER, ..options.clone() };
-    let mut kept = patch.places.clone();
-    let mut left = f64::INFINITY;
+    let mut kept = (patch.places.clone(), individuals.clone());
+    let (mut left, mut bearable) = (f64::INFINITY, f64::NEG_INFINITY);
     for round in 0..options.outlier_rounds {
         run.check()?;
         let random = Stream::new(options.seed, AGAIN, stream << 8 | round as u64);
-        improved.replaced += settle(patch, (&individuals, (&scales, &triplet_scales)), random, run)?;
+        let settled = settle(patch, (&individuals, (&scales, &triplet_scales)), (random, bearable), run)?;
+        improved.replaced += settled.moved;
+        bearable = settled.median;
         improved.iterations += refine(patch, &scales, &shorter, run)?;
         individuals = patch.individuals();
         let errors = patch.errors_of(&individuals);
         let above: Vec<usize> = (0..limits.len()).filter(|k| errors[*k] > limits[*k] + 1e-9).collect();
         above.iter().for_each(|k| scales[*k] *= MORE_WEIGHT);
         if above.is_empty() {
-            kept.clone_from(&patch.places);
+            kept = (patch.places.clone(), individuals.clone());
         }
         let before = left;
         left = mean_square(&errors, &limits) + mean_square(&patch.triplet_errors(&individuals), &triplet_scales);
@@ -94,9 +95,13 @@ pub(super) fn improve(
             break;
         }
     }
-    patch.places = kept;
+    (patch.places, individuals) = kept;
+    let before = (improved.replaced, improved.missing);
     part(patch, &mut improved, (stream, options), run)?;
-    let outside = patch.individuals().iter().filter(|i| region_error(i, patch) > options.outlier_tolerance).count();
+    if before != (improved.replaced, improved.missing) {
+        individuals = patch.individuals();
+    }
+    let outside = individuals.iter().filter(|i| region_error(i, patch) > options.outlier_tolerance).count();
     Ok(Improved { outside, ..improved })
 }
 
@@ -107,25 +112,27 @@ fn mean_square(errors: &[f64], scales: &[f64]) -> f64 {
 }
 
 /// Refines; while a curve ends above its share of `limits`, again with more weight on it; if that
-/// does not help, the places stay as they were.
+/// does not help, the places stay as they were. Gives the iterations used and what the elements
+/// see, which is `begun` before.
 fn refine_within(
     patch: &mut Patch<'_>,
+    begun: Vec<Individual>,
     (mut scales, limits): (Vec<f64>, &[f64]),
-    options: &SynthesisOptions,
-    run: &Run,
-) -> Result<usize, PcfError> {
+    (options, run): (&SynthesisOptions, &Run),
+) -> Result<(usize, Vec<Individual>), PcfError> {
     let (before, mut iterations) = (patch.places.clone(), 0);
     for _ in 0..MOST_REFINEMENTS {
         iterations += refine(patch, &scales, options, run)?;
-        let errors = patch.errors_of(&patch.individuals());
+        let individuals = patch.individuals();
+        let errors = patch.errors_of(&individuals);
         let above = |k: usize| errors[k] > limits[k] + 1e-9;
         if !(0..limits.len()).any(above) {
-            return Ok(iterations);
+            return Ok((iterations, individuals));
         }
         (0..limits.len()).filter(|k| above(*k)).for_each(|k| scales[k] *= MORE_WEIGHT);
     }
     patch.places = before;
-    Ok(iterations)
+    Ok((iterations, begun))
 }
 
 /// Parts elements of the class that are nearer than allowed; what finds no place is taken out.
@@ -198,7 +205,7 @@ fn replace(patch: &mut Patch<'_>, near: &[usize], mut random: Stream, run: &Run)
     let individuals = patch.individuals();
     let errors: Vec<f64> = patch.errors_of(&individuals).iter().map(|e| e.max(LEAST_SCALE)).collect();
     let triplets = vec![1.0; errors.len()];
-    let mut settling = Settling::new(patch, &individuals, (&errors, &triplets));
+    let mut settling = Settling::new(patch, (&individuals, (&errors, &triplets)), f64::NEG_INFINITY);
     let mut homeless = Vec::new();
     for i in near {
         run.check()?;

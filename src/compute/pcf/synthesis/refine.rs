@@ -29,6 +29,10 @@ const SKIN: f64 = 0.3;
 /// The kernel is left out beyond this many σ (5·10⁻⁶ of its peak).
 const CUT_OFF_SIGMAS: f64 = 3.5;
 
+/// Partners more than this many σ beyond the end of the axis are left out: of the kernel around
+/// the end 2·10⁻⁴ lie there.
+const TAIL_SIGMAS: f64 = 2.5;
+
 /// Elements whose sums are taken together: fixed, so that results do not depend on threads.
 const CHUNK: usize = 64;
 
@@ -146,7 +150,7 @@ impl<'a> Descent<'a> {
         let cell = scene.axis.step / FINE as f64;
         let sigma = scene.axis.sigma;
         let half = (CUT_OFF_SIGMAS * sigma / cell) as usize;
-        let reach = scene.axis.extent + CUT_OFF_SIGMAS * sigma;
+        let reach = scene.axis.extent + TAIL_SIGMAS * sigma;
         let value = |k: usize| {
             let x = k as f64 * cell / sigma;
             libm::exp(-x * x) / (std::f64::consts::PI.sqrt() * sigma)
@@ -267,7 +271,9 @@ impl<'a> Descent<'a> {
             };
             let gain = (state.total - step.state.total) / state.total;
             let moved: f64 = at.places.iter().zip(&step.places).map(|(a, b)| a.distance(*b)).sum();
-            (at.places, state, rank) = (step.places, step.state, step.rank.saturating_sub(1));
+            // Longer steps are tried again only where the longest tried was the best.
+            rank = if step.rank == rank { rank.saturating_sub(1) } else { step.rank };
+            (at.places, state) = (step.places, step.state);
             let still = moved < self.options.least_move * self.scene.unit * at.places.len() as f64;
             if still || gain < LEAST_GAIN {
                 return Ok((at, rank, true));

@@ -36,34 +36,44 @@ const MOST_AT_ONCE: usize = 16;
 /// Of this many elements one is looked at at one time, so that what is found mostly still holds.
 const ELEMENTS_EACH: usize = 32;
 
-/// Settles every element of `patch` once, in random order; gives how many moved. `individuals`
-/// are what the elements see; errors count by their share of `scales`: one a curve, one a row of
-/// triplets.
+/// What a round of settling did.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Round {
+    /// Elements that moved.
+    pub(super) moved: usize,
+    /// By how much an element raises the squared errors where it lies, the median before the round.
+    pub(super) median: f64,
+}
+
+/// Settles every element of `patch` once, in random order, but for those that raise the squared
+/// errors by less than `bearable` where they are. `individuals` are what the elements see; errors
+/// count by their share of `scales`: one a curve, one a row of triplets.
 pub(super) fn settle(
     patch: &mut Patch<'_>,
     (individuals, scales): (&[Individual], (&[f64], &[f64])),
-    mut random: Stream,
+    (mut random, bearable): (Stream, f64),
     run: &Run,
-) -> Result<usize, PcfError> {
+) -> Result<Round, PcfError> {
     let mut order: Vec<usize> = (0..patch.places.len()).collect();
     random.shuffle(&mut order);
-    let mut settling = Settling::new(patch, individuals, scales);
-    let mut moved = 0;
+    let mut settling = Settling::new(patch, (individuals, scales), bearable);
+    let (mut moved, mut burdens) = (0, Vec::new());
     for batch in order.chunks((order.len() / ELEMENTS_EACH).clamp(1, MOST_AT_ONCE)) {
         run.check()?;
         let choices: Vec<(usize, Vec<Point>)> = batch.iter().map(|i| (*i, choices(patch, *i, &mut random))).collect();
         let wishes = settling.wishes(&choices);
         let mut moved_here = 0;
-        for ((i, choices), wish) in choices.iter().zip(wishes) {
-            let choices = if moved_here == 0 { wish.as_slice() } else { choices };
-            if wish.is_some() && settling.settle(*i, choices) == Settled::Moved {
-                moved_here += 1;
-            }
+        for ((i, choices), wish) in choices.iter().zip(&wishes).filter(|(_, wish)| wish.is_to_move) {
+            // What was wished for may not be the best any more once another has moved.
+            let choices = if moved_here == 0 { wish.place.as_slice() } else { choices };
+            moved_here += usize::from(settling.settle(*i, choices) == Settled::Moved);
         }
         moved += moved_here;
+        burdens.extend(wishes.iter().map(|wish| wish.burden));
     }
+    burdens.sort_by(f64::total_cmp);
     patch.places = settling.places();
-    Ok(moved)
+    Ok(Round { moved, median: burdens.get(burdens.len() / 2).copied().unwrap_or(0.0) })
 }
 
 /// Places to try for element `i`.
@@ -126,12 +136,19 @@ pub(super) struct Settling<'a> {
     chooser: Chooser<'a>,
     /// What a squared error weighs.
     weights: Rows,
+    /// Elements that raise the squared errors by less stay.
+    bearable: f64,
 }
 
 impl<'a> Settling<'a> {
     /// The block of `patch`, whose elements see `individuals`; errors are measured by their share
-    /// of the scales, one a curve and one a row of triplets.
-    pub(super) fn new(patch: &'a Patch<'a>, individuals: &[Individual], (curves, triplets): (&[f64], &[f64])) -> Self {
+    /// of the scales, one a curve and one a row of triplets. Elements that raise them by less than
+    /// `bearable` stay.
+    pub(super) fn new(
+        patch: &'a Patch<'a>,
+        (individuals, (curves, triplets)): (&[Individual], (&[f64], &[f64])),
+        bearable: f64,
+    ) -> Self {
         let scene = patch.scene;
         let bins = scene.sparse.bins() as f64;
         let views = || scene.views.iter().enumerate();
@@ -144,7 +161,7 @@ impl<'a> Settling<'a> {
             scene.rows.aligned(view.triplet_weights.iter().map(|inverse| inverse * weight))
         };
         let weights = Rows { curves: views().map(of_curve).collect(), triplets: views().map(of_triplets).collect() };
-        Self { patch, filling: Filling::complete(patch, individuals), chooser: Chooser::new(patch), weights }
+        Self { patch, filling: Filling::complete(patch, individuals), chooser: Chooser::new(patch), weights, bearable }
     }
 
     /// The places of all elements.
@@ -152,26 +169,25 @@ impl<'a> Settling<'a> {
         self.filling.inner.list().iter().map(|p| p.place).collect()
     }
 
-    /// For each of some elements, where among its choices it had better be as things stand; `None`
-    /// for its own place.
-    fn wishes(&self, choices: &[(usize, Vec<Point>)]) -> Vec<Option<Point>> {
+    /// For each of some elements, where among its choices it had better be as things stand.
+    fn wishes(&self, choices: &[(usize, Vec<Point>)]) -> Vec<Wish> {
         let wish = |chooser: &mut Chooser<'a>, (i, choices): &(usize, Vec<Point>)| {
-            let best = chooser.best((&self.filling, &self.weights), *i, choices)?;
-            (best != self.filling.inner.list()[*i].place).then_some(best)
+            chooser.best((&self.filling, &self.weights, self.bearable), *i, choices)
         };
         choices.par_iter().map_init(|| Chooser::new(self.patch), wish).collect()
     }
 
     /// Moves element `i` to the best of its own place and `choices`, ties to the first.
     pub(super) fn settle(&mut self, i: usize, choices: &[Point]) -> Settled {
-        let old = self.filling.inner.list()[i];
-        match self.chooser.best((&self.filling, &self.weights), i, choices) {
+        let wish = self.chooser.best((&self.filling, &self.weights, self.bearable), i, choices);
+        match wish.place {
             None => Settled::Homeless,
-            Some(place) if place == old.place => Settled::Stayed,
-            Some(place) => {
+            Some(place) if wish.is_to_move => {
+                let old = self.filling.inner.list()[i];
                 self.put(i, &old, place);
                 Settled::Moved
             }
+            Some(_) => Settled::Stayed,
         }
     }
 
@@ -191,6 +207,17 @@ impl<'a> Settling<'a> {
     }
 }
 
+/// Where an element had better be.
+#[derive(Debug, Clone, Copy)]
+struct Wish {
+    /// The best of the places; none when all are too near another of the class.
+    place: Option<Point>,
+    /// Whether that is not its own place.
+    is_to_move: bool,
+    /// By how much it raises the squared errors where it is.
+    burden: f64,
+}
+
 /// Finds the best place for an element of a block.
 struct Chooser<'a> {
     trial: Trial<'a>,
@@ -204,23 +231,28 @@ impl<'a> Chooser<'a> {
         Self { trial: Trial::new(patch), errors: Rows { curves: rows(), triplets: rows() } }
     }
 
-    /// The best place for element `i`, its own the first of the choices; none when all are too
-    /// near another of the class.
-    fn best(&mut self, (filling, weights): (&Filling, &Rows), i: usize, choices: &[Point]) -> Option<Point> {
+    /// The best place for element `i`, its own the first of the choices.
+    fn best(&mut self, (filling, weights, bearable): (&Filling, &Rows, f64), i: usize, choices: &[Point]) -> Wish {
         let (old, count) = (filling.inner.list()[i], filling.sums.placed);
         self.trial.take_out(i, filling);
         let free = self.trial.see_all((old.place, old.radius), filling);
         self.trial.errors_without(&mut self.errors, (&filling.sums, count));
-        let mut best = free.then(|| (old.place, self.error(weights, count)));
+        let burden = self.error(weights, count);
+        let mut wish = Wish { place: free.then_some(old.place), is_to_move: false, burden };
+        if free && burden < bearable {
+            return wish;
+        }
+        let mut least = if free { burden } else { f64::INFINITY };
         for p in choices {
             if self.trial.see((*p, old.radius), filling) {
                 let error = self.error(weights, count);
-                if best.is_none_or(|(_, least)| error < least) {
-                    best = Some((*p, error));
+                if error < least {
+                    least = error;
+                    wish = Wish { place: Some(*p), is_to_move: true, burden };
                 }
             }
         }
-        best.map(|(place, _)| place)
+        wish
     }
 
     /// By how much the last candidate raises the squared errors of a block of `count` elements.
