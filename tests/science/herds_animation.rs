@@ -208,7 +208,7 @@ fn the_laws_hold_among_trees_and_on_hills() {
         "trees: needed {:.0} s, {:.3} on place, waited {:.0} s",
         arrival.needed_s, arrival.on_place, animation.report.waited_s
     );
-    assert!(arrival.on_place > 0.8, "{arrival:?}");
+    assert!(arrival.on_place >= 0.95, "{arrival:?}");
     let tracks = &animation.tracks;
     let last = tracks.times_s.len() - 1;
     for i in 0..tracks.animals {
@@ -263,6 +263,44 @@ fn who_is_late_is_told_why() {
     assert!(far.len() == 12 && most(&far, Why::Distance), "{far:?}");
     let steep = why(&hills(0.6), &none, &from_to(65.0));
     assert!(!steep.is_empty() && most(&steep, Why::Slope), "{steep:?}");
+    // A wall just before the places of half the herd: there is time for the way, not for the way round.
+    let wall = Obstacles {
+        disks: (0..40).map(|k| (Point::new(263.0, 304.0 + 2.0 * f64::from(k)), 1.5)).collect(),
+        ..Obstacles::default()
+    };
+    let wide = |seconds: f64| {
+        let start = at(0.0, herd(12, Point::new(100.0, 300.0), (14.0, 0.0), 31));
+        [start, at(seconds, herd(12, Point::new(288.0, 300.0), (14.0, 0.0), 32))]
+    };
+    let needed = |frames: &[KeyFrame]| walk(&hills(0.0), &none, frames, &options).report.arrivals[0].needed_s;
+    let walled = why(&hills(0.0), &wall, &wide(1.13 * needed(&wide(90.0))));
+    assert!(!walled.is_empty() && walled.iter().all(|w| *w == Why::Obstacle), "{walled:?}");
+    // Two packed herds of which the second lies across the first, and little time.
+    let turned = |seconds: f64| {
+        let start = at(0.0, herd(150, Point::new(150.0, 300.0), (2.6, 0.0), 41));
+        [start, at(seconds, herd(150, Point::new(210.0, 300.0), (2.4, 1.2), 42))]
+    };
+    let jammed = turned(1.13 * needed(&turned(60.0)));
+    let animation = walk(&hills(0.0), &none, &jammed, &options);
+    let late: Vec<Why> = animation.report.arrivals[0].late.iter().map(|late| late.why).collect();
+    assert!(!late.is_empty() && late.iter().all(|w| *w == Why::Crowding), "{late:?}");
+}
+
+#[test]
+fn a_herd_finds_its_way_out_of_a_bay() {
+    let (flat, options) = (hills(0.0), AnimationOptions::default());
+    // A horseshoe of rocks, open to the herd, and a rock alone.
+    let rim = |k: u32| Point::from_angle(-1.9 + 3.8 * f64::from(k) / 39.0) * 14.0 + Point::new(240.0, 300.0);
+    let disks = (0..40).map(|k| (rim(k), 2.0)).chain([(Point::new(320.0, 306.0), 4.0)]).collect();
+    let obstacles = Obstacles { disks, ..Obstacles::default() };
+    let frames = [
+        at(0.0, herd(100, Point::new(150.0, 300.0), (4.0, 0.0), 51)),
+        at(200.0, herd(100, Point::new(400.0, 300.0), (4.0, 0.0), 52)),
+    ];
+    let animation = walk(&flat, &obstacles, &frames, &options);
+    keeps_the_laws(&animation, &options, &obstacles, 0.0);
+    let arrival = &animation.report.arrivals[0];
+    assert!(arrival.on_place >= 0.95, "{} {:?}", arrival.on_place, arrival.late);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use super::motion::Gait;
 use super::motion::Mover;
 use super::motion::Wish;
 use super::motion::wrapped;
+use super::route::Ways;
 use super::steering::Company;
 use super::steering::Neighbour;
 use super::terrain::Ground;
@@ -22,6 +23,9 @@ use crate::compute::herds::contact::Footprint;
 const VIEW_BODY_LENGTHS: f64 = 5.0;
 const VIEW_STEP_RAD: f64 = 0.26;
 const VIEW_STEPS: i32 = 6;
+
+/// How far along its way round obstacles an animal looks (ours).
+const WAY_BODY_LENGTHS: f64 = 8.0;
 
 /// An animal on its way round goes at least at this share of what it can (ours).
 const DETOUR_PACE: f64 = 0.6;
@@ -48,16 +52,22 @@ pub(super) struct Scene<'a> {
     /// Whether the formation ahead is nearer than the one behind, and how much it counts.
     key: (bool, f64),
     step_s: f64,
+    past: Past<'a>,
 }
 
-/// A step as an animal would make it if it were alone on the road, and what kept it from more.
+/// What animals know besides what they see.
+#[derive(Clone, Copy)]
+pub(super) struct Past<'a> {
+    /// The ways round obstacles; `None` on open ground.
+    pub ways: Option<&'a Ways>,
+    /// Seconds for which each animal has been held up.
+    pub stuck_s: &'a [f64],
+}
+
+/// A step as an animal would make it if it were alone on the road.
 pub(super) struct Move {
     /// All of it, straight on without turning, and the turn alone.
     pub tries: [Mover; TRIES],
-    /// It wished to go faster than V_max.
-    pub limited: bool,
-    /// It wished to go faster than the slope allows.
-    pub slowed: bool,
     /// An obstacle stood in its way.
     pub blocked: bool,
 }
@@ -94,7 +104,7 @@ impl Chooser<'_> {
         &'m self,
         movers: &'m [Mover],
         (before, now): (Progress, Progress),
-        step_s: f64,
+        (step_s, past): (f64, Past<'m>),
     ) -> Scene<'m> {
         let (old, posture) = (self.guides.posture(before), self.guides.posture(now));
         let guides: Vec<Point> = (0..self.guides.len()).map(|i| posture.place(i)).collect();
@@ -111,6 +121,7 @@ impl Chooser<'_> {
             posture,
             key: self.guides.key_weight(now, self.options.gait.blend_body_lengths * 2.0 * self.longest),
             step_s,
+            past,
         }
     }
 
@@ -154,31 +165,43 @@ impl Chooser<'_> {
             (to, _) = step(Wish { velocity: along_rim(velocity, away), ..wish });
         }
         let straight = led(mover, mover.straight(&to, gait), scene.step_s);
+        // Who is held up far from its guide turns the other way every other second: two that keep
+        // each other from turning would stand for ever.
+        let gives_way = lost >= 1.0 && scene.past.stuck_s[i] % 2.0 >= 1.0;
+        let turned = if gives_way { mover.turned_back(&to) } else { mover.turned(&to) };
+        let straight = self.admitted(mover, straight, (body.1, scene.step_s)).0;
         Move {
-            tries: [to, self.admitted(mover, straight, (body.1, scene.step_s)).0, mover.turned(&to)],
-            limited: wanted.norm() > limit && factor > 0.9,
-            slowed: wanted.norm() > limit && factor <= 0.9,
+            tries: [to, if gives_way && straight.speed == 0.0 { turned } else { straight }, turned],
             blocked: !free || matches!(aim, Aim::Detour(_)),
         }
     }
 
-    /// What animal `i` heads for: its guide, while it sees it and where that will be; else the
-    /// nearest free direction past what is between, or the farthest place on the herd's path that
-    /// it can see.
+    /// What animal `i` heads for: its guide, while it sees it and where that will be; else what it
+    /// sees of the way round all obstacles, the nearest free direction past what is between, or
+    /// the farthest place on the herd's path that it can see.
     fn aim(&self, i: usize, scene: &Scene<'_>) -> Aim {
         let (place, clearance, half) = (scene.movers[i].place, self.ground.clearance(), self.guides.bodies[i].1);
         if clearance.is_open() {
             return Aim::Guide(scene.guides[i]);
         }
-        let guide = self.beside(scene.guides[i], half);
-        let soon = self.beside(scene.guides[i] + scene.guide_velocities[i] * self.options.steering.foresight_s, half);
+        let velocity = scene.guide_velocities[i];
+        let later = scene.guides[i] + velocity * self.options.steering.foresight_s;
+        let (guide, soon) = (self.beside(scene.guides[i], half), self.beside(later, half));
         let room = clearance.at(place).min(half);
         let sees = |q: Point| clearance.sees(place, q, room.min(clearance.at(q)).max(0.0));
-        if sees(soon) && sees(guide) {
+        // A guide that walks through an obstacle is not followed to its rim, but met behind it.
+        let walks = velocity.norm() > STILL * self.options.gait.max_speed_m_per_s;
+        let hidden = walks && (clearance.at(scene.guides[i]) < half || clearance.at(later) < half);
+        if !hidden && sees(soon) && sees(guide) {
             return Aim::Guide(guide);
         }
-        let detour = self.detour(&scene.movers[i], soon, sees);
-        let way = detour.or_else(|| self.guides.rejoin(place, scene.progress, sees));
+        // Who is ahead of its guide only looks round what is between.
+        let behind = scene.past.ways.filter(|ways| hidden || ways.is_behind(place, soon));
+        let reach = WAY_BODY_LENGTHS * 2.0 * self.longest;
+        let way = behind.and_then(|ways| ways.ahead(place, reach, sees));
+        let way = way
+            .or_else(|| self.detour(&scene.movers[i], soon, sees))
+            .or_else(|| self.guides.rejoin(place, scene.progress, sees));
         way.map_or(Aim::Guide(guide), Aim::Detour)
     }
 

@@ -72,6 +72,11 @@ impl Posture<'_> {
         self.frame.to_world(self.from.places[animal].lerp(self.to.places[animal], self.weight) * self.spread)
     }
 
+    /// Whether an animal at `p` is behind its guide.
+    pub(super) fn lags(&self, animal: usize, p: Point) -> bool {
+        (self.place(animal) - p).dot(self.frame.along) > 0.0
+    }
+
     /// The heading of `animal` in the formation that lies behind (`false`) or ahead (`true`).
     pub(super) fn heading(&self, animal: usize, ahead: bool) -> Point {
         let local = if ahead { self.to } else { self.from }.headings[animal];

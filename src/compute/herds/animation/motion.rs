@@ -140,6 +140,12 @@ impl Mover {
         Self { heading: to.heading, course: to.heading, speed: 0.0, ..*self }
     }
 
+    /// As much of a turn as in the step to `to`, the other way round.
+    pub(super) fn turned_back(&self, to: &Self) -> Self {
+        let heading = wrapped(self.heading - wrapped(to.heading - self.heading));
+        Self { heading, course: heading, speed: 0.0, ..*self }
+    }
+
     /// The animal when it has to stay where it was.
     pub(super) fn held(&self) -> Self {
         Self { speed: 0.0, course: self.heading, ..*self }

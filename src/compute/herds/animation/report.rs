@@ -4,13 +4,13 @@ use crate::compute::geometry::Point;
 /// What held an animal up most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Why {
-    /// Its way was too long for V_max.
+    /// Its way was too long for the time given, had it been alone on level ground.
     Distance,
-    /// Slopes slowed it.
+    /// Its way was too long as slopes let it go, had it been alone.
     Slope,
-    /// An obstacle was in its way.
+    /// It had the time, but was longer on its way round obstacles than held by others.
     Obstacle,
-    /// Other animals were in its way.
+    /// It had the time, but others were in its way.
     Crowding,
 }
 
@@ -62,41 +62,56 @@ pub struct Report {
     pub waited_s: f64,
 }
 
-/// Counts what holds an animal up, in steps.
+/// What an animal met in an interval.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Hindrance {
-    /// At full speed.
-    pub distance: u32,
-    /// Slowed by slopes.
-    pub slope: u32,
-    /// Held or turned by obstacles.
+    /// Steps in which obstacles held or turned it.
     pub obstacle: u32,
-    /// Held by others.
+    /// Steps in which others held it.
     pub crowding: u32,
 }
 
+/// Seconds that an animal needs for its way, if it is alone on it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Needed {
+    /// At V_max throughout.
+    pub level_s: f64,
+    /// As slopes let it.
+    pub slopes_s: f64,
+}
+
 impl Hindrance {
-    fn why(&self) -> Why {
-        let causes = [
-            (self.crowding, Why::Crowding),
-            (self.obstacle, Why::Obstacle),
-            (self.slope, Why::Slope),
-            (self.distance, Why::Distance),
-        ];
-        causes
-            .into_iter()
-            .max_by_key(|(steps, why)| (*steps, *why == Why::Distance))
-            .map_or(Why::Distance, |(_, why)| why)
+    /// Distance or slope if it could not have been there in time even alone, at the `cruise` share
+    /// of V_max at which herds walk; else what held it more often.
+    fn why(&self, needed: Needed, given_s: f64, cruise: f64) -> Why {
+        let sloped = needed.level_s <= given_s && needed.slopes_s > SLOPED * needed.level_s;
+        match (needed.slopes_s > given_s * cruise, sloped) {
+            (true, true) => Why::Slope,
+            (true, false) => Why::Distance,
+            (false, _) if self.obstacle > self.crowding => Why::Obstacle,
+            (false, _) => Why::Crowding,
+        }
     }
 }
 
+/// Slopes that cost less than this many times the time on level ground are not told of (ours).
+const SLOPED: f64 = 1.05;
+
+/// What an interval gave the animals and asked of them.
+pub(super) struct Asked<'a> {
+    pub given_s: f64,
+    /// The share of V_max at which herds walk.
+    pub cruise: f64,
+    /// By animal.
+    pub needed: &'a [Needed],
+    /// By animal.
+    pub hindered: &'a [Hindrance],
+}
+
 /// The animals farther than half a body length from their places.
-pub(super) fn late(poses: &[Pose], places: &[Point], bodies: &[(f64, f64)], hindered: &[Hindrance]) -> Vec<Late> {
-    let all = poses.iter().zip(places).zip(bodies.iter().zip(hindered)).enumerate();
-    all.map(|(animal, ((pose, place), (body, hindrance)))| {
-        (Late { animal, distance_m: pose.place.distance(*place), why: hindrance.why() }, body.0)
-    })
-    .filter(|(late, half_length)| late.distance_m > *half_length)
-    .map(|(late, _)| late)
-    .collect()
+pub(super) fn late(poses: &[Pose], places: &[Point], bodies: &[(f64, f64)], asked: &Asked<'_>) -> Vec<Late> {
+    let why = |i: usize| asked.hindered[i].why(asked.needed[i], asked.given_s, asked.cruise);
+    let distance = |i: usize| poses[i].place.distance(places[i]);
+    let late = (0..poses.len()).filter(|i| distance(*i) > bodies[*i].0);
+    late.map(|animal| Late { animal, distance_m: distance(animal), why: why(animal) }).collect()
 }

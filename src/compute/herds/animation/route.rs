@@ -12,6 +12,8 @@ use crate::compute::raster::compass::LENGTHS;
 use crate::compute::raster::compass::STEPS;
 use crate::compute::raster::compass::opposite;
 use crate::compute::run::Run;
+use crate::compute::run::Stopped;
+use std::cmp::Ordering;
 
 /// A way costs up to this many times more where the herd brushes an obstacle (ours).
 const CROWDING: f64 = 3.0;
@@ -64,6 +66,63 @@ impl Network for Passable<'_> {
         1.0
     }
 }
+
+/// Ways from everywhere to where the herd is to be next, round all obstacles.
+pub(super) struct Ways {
+    grid: Grid,
+    /// What the cheapest way costs from each cell, in cells; infinite where there is none.
+    cost: Vec<f32>,
+}
+
+impl Ways {
+    /// The cheapest ways to the nearest of `goals` that is not in an obstacle.
+    pub(super) fn new(
+        clearance: &Clearance,
+        goals: impl Iterator<Item = Point>,
+        width: Width,
+        run: &Run,
+    ) -> Result<Self, Stopped> {
+        let grid = clearance.grid();
+        let network = Passable { clearance, grid, width };
+        let sources: Vec<(usize, f32)> =
+            goals.filter_map(|p| grid.at(p)).filter(|cell| network.open(*cell)).map(|cell| (cell, 0.0)).collect();
+        let cost = shortest_paths(&network, Quest { sources: &sources, targets: &[] }, run)?.cost;
+        Ok(Self { grid, cost })
+    }
+
+    /// Whether the way from `p` is longer than from `q`.
+    pub(super) fn is_behind(&self, p: Point, q: Point) -> bool {
+        let of = |p: Point| self.grid.at(p).map_or(f32::INFINITY, |cell| self.cost[cell]);
+        of(p) > of(q)
+    }
+
+    /// The farthest place on the way from `p` that it sees, within `reach` metres of way; `None`
+    /// where there is no way, or at its end.
+    pub(super) fn ahead(&self, p: Point, reach: f64, sees: impl Fn(Point) -> bool) -> Option<Point> {
+        let mut cell = self.grid.at(p)?;
+        let mut farthest = None;
+        let cells = (reach / self.grid.cell_m).ceil() as usize;
+        for k in 1..=cells {
+            let neighbours = STEPS.into_iter().filter_map(|(dx, dy)| self.grid.offset(cell, dx, dy));
+            let next = neighbours.min_by(|a, b| self.cost[*a].total_cmp(&self.cost[*b]))?;
+            if self.cost[next].partial_cmp(&self.cost[cell]) != Some(Ordering::Less) {
+                break;
+            }
+            cell = next;
+            if k % STRIDE == 0 || k == cells {
+                let place = self.grid.centre(cell);
+                if !sees(place) {
+                    break;
+                }
+                farthest = Some(place);
+            }
+        }
+        farthest
+    }
+}
+
+/// Cells of a way from one look to the next (ours).
+const STRIDE: usize = 4;
 
 /// Corners of a way from `from` to `to`, both included, in metres: the cheapest path over the
 /// cells, then only the corners that are needed to see from each to the next.

@@ -5,6 +5,7 @@ use super::AnimationOptions;
 use super::Trajectory;
 use super::choice::Chooser;
 use super::choice::Move;
+use super::choice::Past;
 use super::guides::Guides;
 use super::guides::Posture;
 use super::guides::Progress;
@@ -12,8 +13,12 @@ use super::motion::Gait;
 use super::motion::Mover;
 use super::report;
 use super::report::Arrival;
+use super::report::Asked;
 use super::report::Hindrance;
+use super::report::Needed;
 use super::report::Report;
+use super::route::Ways;
+use super::route::Width;
 use super::terrain::Ground;
 use super::tracks::Plan;
 use super::tracks::Pose;
@@ -24,6 +29,7 @@ use super::traffic::TRIES;
 use crate::compute::geometry::Point;
 use crate::compute::herds::contact::Footprint;
 use crate::compute::run::Run;
+use crate::compute::run::Stopped;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
@@ -45,6 +51,13 @@ const UNHURRIED: f64 = 0.7;
 const SETTLING_S: f64 = 4.0;
 const SETTLING_SHARE: f64 = 0.2;
 
+/// Ways round obstacles keep this far from them where they can (ours).
+const ELBOW_BODY_LENGTHS: f64 = 1.5;
+
+/// An animal no faster than this share of V_max that others let not do as it wishes is held up
+/// (ours).
+const CRAWL: f64 = 0.05;
+
 /// Overlap allowed everywhere, as a share of a body's width.
 const OVERLAP: f64 = 0.1;
 
@@ -62,6 +75,10 @@ pub struct Simulation<'a> {
     hindered: Vec<Hindrance>,
     /// Seconds for which each animal has been a straggler.
     straggling: Vec<f64>,
+    /// Seconds for which others have held each animal up.
+    stuck_s: Vec<f64>,
+    /// The ways round obstacles to the end of an interval; none on open ground.
+    ways: Option<(usize, Ways)>,
     progress: Progress,
     /// Speed of the herd frame as a share of the fastest that guides allow.
     pace: f64,
@@ -92,6 +109,8 @@ impl<'a> Simulation<'a> {
             movers: movers.collect(),
             hindered: vec![Hindrance::default(); guides.len()],
             straggling: vec![0.0; guides.len()],
+            stuck_s: vec![0.0; guides.len()],
+            ways: None,
             progress,
             pace: 0.0,
             given_s: 0.0,
@@ -114,6 +133,7 @@ impl<'a> Simulation<'a> {
             self.given_s = steps as f64 * step_s;
             for step in 1..=steps {
                 let left_s = (steps - step + 1) as f64 * step_s;
+                self.find_ways(run)?;
                 self.step(interval, left_s, step_s);
                 done += 1;
                 if done % 16 == 0 {
@@ -137,13 +157,28 @@ impl<'a> Simulation<'a> {
         self.movers.par_iter().with_min_len(CHUNK).map(pose).collect()
     }
 
+    /// The ways round obstacles to where the guides are at the end of the interval.
+    fn find_ways(&mut self, run: &Run) -> Result<(), Stopped> {
+        let (interval, clearance) = (self.progress.interval, self.ground.clearance());
+        if clearance.is_open() || self.ways.as_ref().is_some_and(|(of, _)| *of == interval) {
+            return Ok(());
+        }
+        let end = self.guides.straight(Progress { interval, share: 1.0 });
+        let goals = (0..self.guides.len()).map(|i| end.place(i));
+        let widest = self.guides.bodies.iter().map(|b| b.1).fold(0.0, f64::max);
+        let width = Width { least_m: widest, ample_m: ELBOW_BODY_LENGTHS * 2.0 * self.longest };
+        self.ways = Some((interval, Ways::new(clearance, goals, width, run)?));
+        Ok(())
+    }
+
     /// One step of `step_s`, with `left_s` until the key-frame that ends `interval`.
     fn step(&mut self, interval: usize, left_s: f64, step_s: f64) {
         // 1. The herd frame moves on, unless stragglers hold it.
         let before = self.progress;
         self.advance_frame(interval, left_s, step_s);
         // 2. Everybody chooses a step from what all were doing a moment ago.
-        let scene = self.chooser.scene(&self.movers, (before, self.progress), step_s);
+        let past = Past { ways: self.ways.as_ref().map(|(_, ways)| ways), stuck_s: &self.stuck_s };
+        let scene = self.chooser.scene(&self.movers, (before, self.progress), (step_s, past));
         let moves: Vec<Move> = (0..self.movers.len())
             .into_par_iter()
             .with_min_len(CHUNK)
@@ -164,10 +199,10 @@ impl<'a> Simulation<'a> {
         // 4. The rest moves.
         for (i, (chosen, level)) in moves.into_iter().zip(levels).enumerate() {
             let h = &mut self.hindered[i];
-            h.distance += u32::from(chosen.limited);
-            h.slope += u32::from(chosen.slowed);
             h.obstacle += u32::from(chosen.blocked);
             h.crowding += u32::from(level > 0);
+            let held = level > 0 && self.movers[i].speed <= CRAWL * self.options.gait.max_speed_m_per_s;
+            self.stuck_s[i] = if held { self.stuck_s[i] + step_s } else { 0.0 };
             self.movers[i] = chosen.tries.get(usize::from(level)).copied().unwrap_or(self.movers[i].held());
         }
     }
@@ -215,7 +250,8 @@ impl<'a> Simulation<'a> {
         let far = STRAGGLER_BODY_LENGTHS * 2.0 * self.longest;
         let mut worst = 0f64;
         for (i, mover) in self.movers.iter().enumerate() {
-            let lag = mover.place.distance(guides.place(i)) / far;
+            // Who is ahead of its guide, on its way round an obstacle, is not waited for.
+            let lag = if guides.lags(i, mover.place) { mover.place.distance(guides.place(i)) / far } else { 0.0 };
             self.straggling[i] = if lag > 1.0 { self.straggling[i] + step_s } else { 0.0 };
             if self.straggling[i] < PATIENCE_S {
                 worst = worst.max(lag);
@@ -248,26 +284,33 @@ impl<'a> Simulation<'a> {
     fn arrival(&self, interval: usize, time_s: f64) -> Arrival {
         let end = self.guides.posture(Progress { interval, share: 1.0 });
         let places: Vec<Point> = (0..self.guides.len()).map(|i| end.place(i)).collect();
-        let late = report::late(&self.poses(), &places, &self.guides.bodies, &self.hindered);
         let needed = self.needed(interval);
+        let asked = Asked { given_s: self.given_s, cruise: CRUISE, needed: &needed, hindered: &self.hindered };
+        let late = report::late(&self.poses(), &places, &self.guides.bodies, &asked);
         Arrival {
             key_frame: interval + 1,
             time_s,
             given_s: self.given_s,
-            needed_s: needed.iter().copied().fold(0.0, f64::max),
-            cannot_reach: needed.iter().filter(|s| **s > self.given_s).count(),
+            needed_s: needed.iter().map(|n| n.slopes_s).fold(0.0, f64::max),
+            cannot_reach: needed.iter().filter(|n| n.slopes_s > self.given_s).count(),
             on_place: 1.0 - late.len() as f64 / self.guides.len() as f64,
             late,
         }
     }
 
     /// Seconds each animal needs for its guide's way through an interval at V_max.
-    fn needed(&self, interval: usize) -> Vec<f64> {
+    fn needed(&self, interval: usize) -> Vec<Needed> {
         const SAMPLES: usize = 64;
         let at = |k: usize| self.guides.straight(Progress { interval, share: k as f64 / SAMPLES as f64 });
         let way: Vec<Posture<'_>> = (0..=SAMPLES).map(at).collect();
-        let leg = |i: usize, leg: &[Posture<'_>]| self.seconds_between(leg[0].place(i), leg[1].place(i));
-        let seconds = |i: usize| way.windows(2).map(|l| leg(i, l)).sum();
+        let most = self.options.gait.max_speed_m_per_s;
+        let seconds = |i: usize| {
+            let legs = || way.windows(2).map(|leg| (leg[0].place(i), leg[1].place(i)));
+            Needed {
+                level_s: legs().map(|(p, q)| p.distance(q) / most).sum(),
+                slopes_s: legs().map(|(p, q)| self.seconds_between(p, q)).sum(),
+            }
+        };
         (0..self.guides.len()).into_par_iter().map(seconds).collect()
     }
 }
