@@ -23,19 +23,19 @@ impl Copies {
         self.copied.drain(..).for_each(|j| self.numbers[j] = 0);
     }
 
-    /// The copy of row `j`, which is `original`.
-    fn of(&mut self, j: usize, original: &[f32]) -> &mut [f32] {
+    /// The copy of row `j`, which is `original`, or zeros where that is empty; `length` values.
+    fn of(&mut self, j: usize, original: &[f32], length: usize) -> &mut [f32] {
         if self.numbers.len() <= j {
             self.numbers.resize(j + 1, 0);
         }
         if self.numbers[j] == 0 {
             self.copied.push(j);
             self.numbers[j] = self.copied.len() as u32;
-            if self.rows.len() < self.copied.len() {
-                self.rows.push(original.to_vec());
-            } else {
-                self.rows[self.copied.len() - 1].copy_from_slice(original);
-            }
+            self.rows.resize_with(self.rows.len().max(self.copied.len()), Vec::new);
+            let row = &mut self.rows[self.copied.len() - 1];
+            row.clear();
+            row.extend_from_slice(original);
+            row.resize(length, 0.0);
         }
         &mut self.rows[self.numbers[j] as usize - 1]
     }
@@ -67,9 +67,9 @@ impl Absence {
         let block = (&filling.inner, &*filling.borders);
         for_each_seeing(patch, (i, &filling.inner.list()[i]), block, |v, j, (first, kernel, weight)| {
             if v > 0 {
-                add(&mut self.views[v].of(j, &filling.seen[v][j])[first..], kernel, -weight);
+                add(&mut self.views[v].of(j, &filling.seen[v][j], factors.len())[first..], kernel, -weight);
             } else {
-                let row = &mut self.views[0].of(j, &filling.curves[j])[first..];
+                let row = &mut self.views[0].of(j, &filling.curves[j], factors.len())[first..];
                 add_products(row, (kernel, &factors[first..]), -weight);
             }
         });
