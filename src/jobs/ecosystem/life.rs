@@ -161,7 +161,7 @@ impl Maps<'_, '_> {
     /// Usage and carved terrain.
     pub fn trails(&mut self, terrain: &Terrain, trails: &Trails) -> Result<(), Failure> {
         let usage = Legend::continuous("Use of trails", "kg m a year per m²", ColourMap::Brown);
-        self.quantities("trails.usage", usage.with_spread(Spread::SquareRoot), || trails.usage.clone())?;
+        self.quantities("trails.usage", usage.with_spread(Spread::Logarithmic), || trails.usage.clone())?;
         let carved = Legend::continuous("Height with trails", "m", ColourMap::Terrain);
         self.quantities("terrain.carved", carved, || trails::carved(&terrain.height, trails))
     }
