@@ -267,7 +267,7 @@ impl Chain {
     ) -> Result<Days, Failure> {
         let parameters = (&request.inputs.planning, context.seed);
         let trodden = Self::trails_stage(context, request, wildlife)?.digest();
-        let key = Stage { name: "planning", version: 5, inputs: digest(&[&trodden], &parameters)? };
+        let key = Stage { name: "planning", version: 6, inputs: digest(&[&trodden], &parameters)? };
         stage(context, key, || {
             let habitat =
                 Habitat { paths: Some(&trails.paths), ..habitat(request, wildlife, roads.travel(&context.run)?) };

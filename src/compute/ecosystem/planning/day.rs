@@ -478,9 +478,12 @@ impl<'a, 'b> Day<'a, 'b> {
         let due = self.duties.iter().filter(|duty| duty.due <= now).map(|duty| duty.activity);
         let mut due: Vec<Option<Activity>> = due.map(Some).collect();
         due.dedup();
-        // Not all herds to the same at once: who eats first leaves room for who drinks first.
-        let first = (self.random(DUTY, step) * due.len() as f64) as usize;
-        due.rotate_left(first);
+        // Not all herds to the same at once: who eats first leaves room for who drinks first. Prey
+        // moves on, water stays.
+        if due.first() != Some(&Some(Activity::Hunt)) {
+            let first = (self.random(DUTY, step) * due.len() as f64) as usize;
+            due.rotate_left(first);
+        }
         let kinds: Vec<Option<Activity>> = due.into_iter().chain([None]).collect();
         let random = self.random(NEXT, step);
         let draw = |kind: Option<Activity>, timely: bool, idle: bool| {
