@@ -106,7 +106,7 @@ impl Surroundings {
         let turn = sum.rem_euclid(TAU);
         match last {
             Some(_) if turn > tolerance && turn < TAU - tolerance => turn,
-            Some(angle) => self.whole_or_nothing(Point::from_angle(angle + std::f64::consts::PI) * radius),
+            Some(angle) => self.whole_or_nothing(Point::from_angle(angle + PI) * radius),
             None => self.whole_or_nothing(Point::new(radius, 0.0)),
         }
     }
