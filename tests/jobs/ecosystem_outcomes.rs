@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::LazyLock;
 
 use biotope::jobs::Artefact;
 use biotope::jobs::local::Bench;
@@ -188,22 +189,44 @@ async fn what_cannot_be_worked_with_is_a_problem_and_never_a_job() {
     assert_eq!(app.get("/jobs").await.json()["jobs"], json!([]), "nothing was queued");
 }
 
-#[test]
-fn the_mild_sample_has_animals_no_denser_than_ten_times_their_relatives_and_carnivores_in_proportion() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("api/examples/ecosystem-tautavel-mild.json");
+/// A period of the Tautavel sample, solved: its summary and the codes of its warnings.
+fn sample(period: &str) -> (Value, Vec<String>) {
+    let name = format!("api/examples/ecosystem-tautavel-{period}.json");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
     let runtime = tokio::runtime::Runtime::new().expect("a runtime");
     let store = BlockingStore::new(Store::in_memory(), runtime.handle().clone());
     let registry = Registry::standard().expect("schemas");
     let bench = Bench { registry: &registry, store: &store, threads: 2 };
     let request = FileRequest::open(&file).expect("the example");
     let kept = request.solve("ecosystem", &bench, &Arc::new(Live::new(1))).expect("a solve");
-    for code in ["DENSITY_OUT_OF_RANGE", "BIOMASS_OUT_OF_RANGE"] {
-        assert!(kept.warnings.iter().all(|warning| warning.code != code), "{:?}", kept.warnings);
-    }
     let Ok(Artefact::Json(summary)) = load(&store, &kept.outputs["summary"]) else { panic!("no summary") };
+    (summary, kept.warnings.into_iter().map(|warning| warning.code).collect())
+}
+
+static MILD: LazyLock<(Value, Vec<String>)> = LazyLock::new(|| sample("mild"));
+
+#[test]
+fn the_mild_sample_has_animals_no_denser_than_ten_times_their_relatives_and_carnivores_in_proportion() {
+    let (summary, warnings) = &*MILD;
+    for code in ["DENSITY_OUT_OF_RANGE", "BIOMASS_OUT_OF_RANGE"] {
+        assert!(warnings.iter().all(|warning| warning != code), "{warnings:?}");
+    }
     let ratio = summary["biomass"]["carnivores_per_prey"].as_f64().expect("a ratio");
     assert!((0.003..=0.03).contains(&ratio), "{ratio}");
     let animals = summary["animals"].as_array().expect("animals");
     let placed = animals.iter().filter(|a| a["individuals"].as_u64() > Some(0)).count();
     assert!(placed >= 6 && summary["herds"].as_u64() > Some(100), "{summary}");
+}
+
+#[test]
+fn in_the_ice_age_reindeer_live_in_a_region_at_least_twice_as_large_and_are_most_of_the_herbivores() {
+    let (ice, _) = sample("ice-age");
+    let reindeer = |summary: &Value, field: &str| {
+        let animals = summary["animals"].as_array().expect("animals");
+        let row = animals.iter().find(|a| a["species"] == "Rangifer tarandus").expect("reindeer");
+        row[field].as_f64().expect("a number")
+    };
+    let (cold, mild) = (reindeer(&ice, "accessible_km2"), reindeer(&MILD.0, "accessible_km2"));
+    assert!(cold >= 2.0 * mild && cold > 100.0, "{cold} km² against {mild}");
+    assert!(reindeer(&ice, "individuals") > 0.0 && reindeer(&ice, "proportion_reached") > 0.5);
 }
