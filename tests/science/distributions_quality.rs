@@ -5,6 +5,8 @@ use crate::science::distributions_exemplars as exemplars;
 use biotope::compute::geometry::Point;
 use biotope::compute::geometry::Region;
 use biotope::compute::pcf;
+use biotope::compute::pcf::AnalysisOptions;
+use biotope::compute::pcf::Axis;
 use biotope::compute::pcf::Element;
 use biotope::compute::pcf::Metric;
 use biotope::compute::pcf::Synthesis;
@@ -18,10 +20,9 @@ use biotope::compute::run::Run;
 use exemplars::Exemplar;
 use rayon::prelude::*;
 
-/// Classes and statistics of the stands whose outputs do not reach the share asked for yet (0.44,
-/// 0.70, 0.74). Maples of Lansing keep out of the hickories' way so far that they
-/// leave voids wider than the exemplar's, which lie beyond the reach of the curves (5 r_max).
-const SHORT: [&str; 3] = ["lansing 2 F", "lansing 3 G", "lansing 4 F"];
+/// The class and statistic of the stands whose outputs do not reach the share asked for yet (0.68):
+/// a few of the 105 trees of mixed species end more alone than any of the exemplar's.
+const SHORT: [&str; 1] = ["lansing 3 G"];
 
 fn again(exemplar: &Exemplar, seed: u64) -> Synthesis {
     let options = SynthesisOptions { seed, ..SynthesisOptions::default() };
@@ -38,37 +39,50 @@ fn sorted_radii(elements: &[Element]) -> Vec<f64> {
     radii
 }
 
+/// Seeds of the checks that must hold on any.
+const SEEDS: [u64; 3] = [1, 2, 3];
+
 #[test]
 fn refinement_pays_on_the_forest() {
     let forest = exemplars::forest(1);
     assert_eq!(forest.elements.len(), 460);
-    let result = again(&forest, 1);
-    assert_eq!(result.curves.len(), 5);
-    for report in &result.curves {
-        let (name, before, after) = ((report.curve.child, report.curve.parent), report.before, report.after);
-        println!("{name:?}: {before:.4} became {after:.4}");
-        assert!(after <= before + 1e-9, "{name:?}: {before} became {after}");
-        assert!(before <= 0.05 || after < before / 3.0, "{name:?}: {before} only became {after}");
+    // T's axis: 50 places from 0.1 to 5.
+    let options = AnalysisOptions { axis: Axis::default(), triplets: true, ..AnalysisOptions::of(forest.metric) };
+    let analysis = pcf::analyse(&forest.elements, &forest.domain, (&forest.graph, &options), &Run::silent()).unwrap();
+    assert!(analysis.curves.iter().all(|c| c.mean.len() == 50));
+    let synthesise = |seed: &u64| {
+        let options = SynthesisOptions { seed: *seed, ..SynthesisOptions::default() };
+        pcf::synthesise(&analysis, &forest.target(), &options, &Run::silent()).unwrap()
+    };
+    for result in SEEDS.par_iter().map(synthesise).collect::<Vec<Synthesis>>() {
+        assert_eq!(result.curves.len(), 5);
+        for report in &result.curves {
+            let (name, before, after) = ((report.curve.child, report.curve.parent), report.before, report.after);
+            println!("{name:?}: {before:.4} became {after:.4}");
+            assert!(after <= before + 1e-9, "{name:?}: {before} became {after}");
+            assert!(before <= 0.05 || after < before / 3.0, "{name:?}: {before} only became {after}");
+        }
+        for class in 0..3 {
+            assert_eq!(sorted_radii(&of_class(&result.elements, class)), sorted_radii(&forest.of_class(class)));
+        }
+        assert!(result.elements.iter().all(|e| forest.domain.contains(e.centre)));
     }
-    for class in 0..3 {
-        assert_eq!(sorted_radii(&of_class(&result.elements, class)), sorted_radii(&forest.of_class(class)));
-    }
-    assert!(result.elements.iter().all(|e| forest.domain.contains(e.centre)));
 }
 
 #[test]
 fn nests_of_nests_stay_nested() {
-    // T figure 3.13: every middle disk inside a large one, every small one inside a middle one.
+    // The over-constrained case of T figure 3.13: disks in disks in disks.
     let nested = exemplars::nested(1);
-    let result = again(&nested, 1);
-    let inside = |inner: usize, outer: usize| {
-        let outer = of_class(&result.elements, outer);
-        let inner = of_class(&result.elements, inner);
-        let is_in = |e: &&Element| outer.iter().any(|o| o.centre.distance(e.centre) <= o.radius - e.radius + 0.02);
-        inner.iter().filter(is_in).count() as f64 / inner.len() as f64
-    };
-    assert!(inside(1, 0) >= 0.9, "{}", inside(1, 0));
-    assert!(inside(2, 1) >= 0.8, "{}", inside(2, 1));
+    for result in SEEDS.par_iter().map(|seed| again(&nested, *seed)).collect::<Vec<Synthesis>>() {
+        let inside = |inner: usize, outer: usize| {
+            let outer = of_class(&result.elements, outer);
+            let inner = of_class(&result.elements, inner);
+            let is_in = |e: &&Element| outer.iter().any(|o| o.centre.distance(e.centre) <= o.radius - e.radius + 0.02);
+            inner.iter().filter(is_in).count() as f64 / inner.len() as f64
+        };
+        assert!(inside(1, 0) >= 0.9, "{}", inside(1, 0));
+        assert!(inside(2, 1) >= 0.8, "{}", inside(2, 1));
+    }
 }
 
 /// What five outputs score on statistics that were not optimised, and a uniform pattern's score.
@@ -140,7 +154,7 @@ fn outputs_look_like_the_stands_where_those_are_present() {
 }
 
 #[test]
-#[ignore = "a minute: six species, five outputs"]
+#[ignore = "half a minute: six species, five outputs; .ci/run runs it"]
 fn outputs_look_like_the_six_species_of_lansing_where_those_are_present() {
     check_stands(|name| name == "lansing");
 }

@@ -13,10 +13,14 @@ use crate::compute::pcf::Frame;
 use crate::compute::pcf::Kernel;
 use crate::compute::pcf::Metric;
 use crate::compute::pcf::PcfError;
+use crate::compute::pcf::Tail;
+use crate::compute::pcf::TailAxis;
 use crate::compute::pcf::WEIGHT_CAP;
 use crate::compute::pcf::curve;
 use crate::compute::pcf::mass;
 use crate::compute::pcf::maximal_spacing;
+use crate::compute::pcf::tail::TailSum;
+use crate::compute::pcf::windows::Windows;
 use crate::compute::run::Run;
 use rayon::prelude::*;
 
@@ -34,7 +38,7 @@ pub struct AnalysisOptions {
     pub weight_cap: f64,
     /// Whether individual curves are returned.
     pub keep_individual: bool,
-    /// Whether [`Curve::triplets`] are worked out, which a synthesis needs.
+    /// Whether [`Curve::triplets`], [`Curve::tail`] and [`Curve::root_counts`] are worked out, which a synthesis needs.
     pub triplets: bool,
 }
 
@@ -175,6 +179,14 @@ struct Child<'a> {
 struct Seen {
     rows: Vec<Vec<f64>>,
     triplets: Vec<f64>,
+    far: Option<Far>,
+}
+
+/// What one element sees beyond the axis: pairs with each crowd, and how much of each ring around
+/// it lies in the domain.
+struct Far {
+    pairs: Vec<Vec<f64>>,
+    rings: Vec<f64>,
 }
 
 impl Child<'_> {
@@ -185,26 +197,55 @@ impl Child<'_> {
         let crowds: Vec<Crowd> = targets.iter().map(|c| crowd(*c)).collect();
         let sum = |p: &usize| CurveSum::new(self.empty_curve(*p), options.keep_individual);
         let mut sums: Vec<CurveSum> = targets.iter().map(sum).collect();
-        let factor = |(sum, parent): (&CurveSum, &usize)| {
-            let partners = self.classes[*parent].count - usize::from(*parent == self.class);
-            curve::factors(&sum.curve.mass, partners as f64 * unit * unit / self.domain.area())
-        };
+        let factor = |(sum, parent): (&CurveSum, &usize)| curve::factors(&sum.curve.mass, self.density(*parent));
         let factors: Vec<Vec<f64>> = sums.iter().zip(&targets).map(factor).collect();
         let squares = options.triplets.then(|| self.correlator.squared());
+        let axis = self.tail_axis();
+        let mut tails: Vec<TailSum> = targets.iter().map(|_| TailSum::new(&axis)).collect();
         let count = self.classes[self.class].count;
         for start in (0..count).step_by(CHUNK) {
-            let see = |i: usize| (!run.is_stopped()).then(|| self.see(i, (&crowds, &factors), squares.as_ref()));
+            let see = |i: usize| {
+                (!run.is_stopped()).then(|| self.see(i, (&crowds, &factors), squares.as_ref().zip(Some(&axis))))
+            };
             let seen: Vec<Option<Seen>> = (start..(start + CHUNK).min(count)).into_par_iter().map(see).collect();
             run.check()?;
-            for Seen { rows, triplets } in seen.into_iter().flatten() {
+            for Seen { rows, triplets, far } in seen.into_iter().flatten() {
                 rows.into_iter().zip(&mut sums).for_each(|(row, sum)| sum.add(row));
                 sums[0].add_triplets(&triplets);
+                if let Some(Far { pairs, rings }) = far {
+                    pairs.iter().zip(&mut tails).for_each(|(pairs, sum)| sum.add(pairs, &rings));
+                }
             }
         }
         if let Some(squares) = &squares {
             self.seen_by_parents(&crowds, squares, &mut sums, run)?;
+            sums[0].curve.root_counts = self.root_counts(&crowds[0]);
+            for ((sum, tail), parent) in sums.iter_mut().zip(&tails).zip(&targets) {
+                sum.curve.tail = Tail { axis, mean: tail.finish(self.density(*parent)) };
+            }
         }
         Ok(sums.into_iter().map(CurveSum::finish).collect())
+    }
+
+    /// Partners of the class `parent` per r_max² of the class.
+    fn density(&self, parent: usize) -> f64 {
+        let unit = self.classes[self.class].r_max;
+        let partners = self.classes[parent].count - usize::from(parent == self.class);
+        partners as f64 * unit * unit / self.domain.area()
+    }
+
+    /// How evenly the class fills windows.
+    fn root_counts(&self, crowd: &Crowd) -> Vec<f64> {
+        let mut windows = Windows::over(self.domain, self.domain.bounds(), self.classes[self.class].r_max);
+        crowd.bodies().iter().for_each(|body| windows.add(body.centre, 1.0));
+        windows.mean_roots(None)
+    }
+
+    /// The bins beyond the axis.
+    fn tail_axis(&self) -> TailAxis {
+        let (summary, axis) = (&self.classes[self.class], self.correlator.kernel.axis());
+        let radius = summary.radii.iter().sum::<f64>() / summary.count.max(1) as f64 / summary.r_max;
+        TailAxis::beyond(&axis, (self.correlator.metric, radius), (self.domain, summary.r_max))
     }
 
     /// Adds to the curves towards each parent how far elements of the class come together around
@@ -239,9 +280,16 @@ impl Child<'_> {
     }
 
     /// What element `i` sees of each crowd, the first of which is its own class.
-    fn see(&self, i: usize, (crowds, factors): (&[Crowd], &[Vec<f64>]), squares: Option<&Correlator>) -> Seen {
+    /// What lies beyond the curves, by the `more` of squared terms and far bins, if asked for.
+    fn see(
+        &self,
+        i: usize,
+        (crowds, factors): (&[Crowd], &[Vec<f64>]),
+        more: Option<(&Correlator, &TailAxis)>,
+    ) -> Seen {
         let body = &crowds[0].bodies()[i];
         let reach = crowds.iter().map(|c| self.correlator.reach(body, c)).fold(0.0, f64::max);
+        let reach = more.map_or(reach, |(_, tail)| reach.max(tail.range().1));
         let weight = BorderWeight::new(self.domain, body, reach, self.correlator.weight_cap);
         let row = |(k, crowd): (usize, &Crowd)| {
             let mut row = vec![0.0; factors[k].len()];
@@ -250,12 +298,17 @@ impl Child<'_> {
             row
         };
         let rows: Vec<Vec<f64>> = crowds.iter().enumerate().map(row).collect();
-        let triplets = squares.map(|squares| {
+        let triplets = more.map(|(squares, _)| {
             let mut same = vec![0.0; factors[0].len()];
             squares.add_row(&mut same, (body, &weight), &crowds[0], Some(i));
             curve::triplets(&rows[0], &same, &factors[0])
         });
-        Seen { rows, triplets: triplets.unwrap_or_default() }
+        let unit = self.classes[self.class].r_max;
+        let far = more.filter(|(_, tail)| tail.bins > 0).map(|(_, tail)| Far {
+            pairs: crowds.iter().map(|crowd| tail.pairs((body.centre, unit), crowd)).collect(),
+            rings: tail.rings_inside(&weight),
+        });
+        Seen { rows, triplets: triplets.unwrap_or_default(), far }
     }
 
     fn empty_curve(&self, parent: usize) -> Curve {

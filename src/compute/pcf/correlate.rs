@@ -68,6 +68,11 @@ impl Crowd {
         Self { grid: CellGrid::new(&centres, cell), bodies, largest_radius }
     }
 
+    /// Calls `visit` with the centres of all bodies within `radius` metres of `p`, and some beyond.
+    pub fn for_each_near(&self, p: Point, radius: f64, mut visit: impl FnMut(Point)) {
+        self.grid.for_each_near(p, radius, |j| visit(self.bodies[j].centre));
+    }
+
     /// The bodies, in the order given.
     pub fn bodies(&self) -> &[Body] {
         &self.bodies

@@ -1,4 +1,5 @@
 use crate::compute::pcf::Axis;
+use crate::compute::pcf::Tail;
 
 /// Below this fraction of the largest expected mass a place of the axis is out of reach: no
 /// pair of these sizes can lie there, and the curve is 0.
@@ -34,6 +35,12 @@ pub struct Curve {
     pub triplets: Vec<f64>,
     /// The variance of the parent's elements' own sums, at each place of `triplets`.
     pub triplet_variance: Vec<f64>,
+    /// What lies beyond the axis; empty like `triplets`, and in domains hardly wider than the axis
+    /// is long.
+    pub tail: Tail,
+    /// How evenly windows are filled, by their radius (`windows.rs`); only if asked for, and
+    /// of a class that looks at itself.
+    pub root_counts: Vec<f64>,
     /// The individual curves, in the order of the class's elements; empty unless kept.
     pub individual: Vec<Vec<f64>>,
 }
@@ -84,6 +91,8 @@ impl Curve {
             upper: zeros,
             triplets: Vec::new(),
             triplet_variance: Vec::new(),
+            tail: Tail::default(),
+            root_counts: Vec::new(),
             individual: Vec::new(),
         }
     }

@@ -19,6 +19,8 @@ mod metric;
 mod pattern;
 pub mod quality;
 mod synthesis;
+mod tail;
+mod windows;
 
 pub use analyse::Analysis;
 pub use analyse::AnalysisOptions;
@@ -66,3 +68,5 @@ pub use synthesis::SynthesisOptions;
 pub use synthesis::Target;
 pub use synthesis::check_target;
 pub use synthesis::synthesise;
+pub use tail::Tail;
+pub use tail::TailAxis;

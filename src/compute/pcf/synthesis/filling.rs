@@ -1,10 +1,13 @@
 use super::border_table::BorderTable;
+use super::far::Far;
+use super::far::FarSums;
 use super::partners::Partners;
 use super::patch::Individual;
 use super::patch::Patch;
 use super::patch::sums_of;
 use super::patch::triplet_sums;
 use super::scene::Scene;
+use crate::compute::pcf::windows::Windows;
 use rayon::prelude::*;
 
 /// Two ends of a triplet at a distance of 1 from its middle are this far apart in the mean: 4/π.
@@ -21,11 +24,15 @@ pub(super) struct BlockSums {
     pub(super) sums: Vec<Vec<f64>>,
     /// Σ of their triplets, one row a view; empty when the exemplar has none.
     pub(super) triplets: Vec<Vec<f64>>,
+    /// What its elements see beyond the axis.
+    pub(super) far: FarSums,
     /// Of the rings around the block's elements, the share inside the block, at every place of
     /// the axis: 1 for a block that is all of the domain.
     inside: Vec<f64>,
     /// The same for the other end of triplets around a parent.
     inside_across: Vec<f64>,
+    /// The same for the bins beyond the axis.
+    inside_far: Vec<f64>,
     /// The share of the neighbouring blocks that is filled.
     neighbours: f64,
 }
@@ -42,6 +49,10 @@ pub(super) struct Filling {
     pub(super) seen: Vec<Vec<Vec<f32>>>,
     /// The border weights around its elements.
     pub(super) borders: Vec<BorderTable>,
+    /// What an element sees beyond the axis, by its place.
+    pub(super) far: Far,
+    /// How evenly windows are filled; none before the block is complete.
+    pub(super) windows: Windows,
     /// The sums.
     pub(super) sums: BlockSums,
 }
@@ -52,7 +63,8 @@ impl Filling {
     pub(super) fn empty(patch: &Patch<'_>, count: usize, neighbours: f64) -> Self {
         let inner = patch.inner();
         let sums = BlockSums::new(patch.scene, count, (patch.sampler.block_side(), neighbours));
-        Self { seen: patch.seen_by_parents(&inner, 0.5), inner, curves: Vec::new(), borders: Vec::new(), sums }
+        let (seen, far) = (patch.seen_by_parents(&inner, 0.5), patch.far().clone());
+        Self { seen, inner, curves: Vec::new(), borders: Vec::new(), far, windows: Windows::none(), sums }
     }
 
     /// The block of `patch` with all its elements, all around it filled too; `individuals` are
@@ -68,7 +80,15 @@ impl Filling {
         let border =
             |i: usize| scene.border_table(patch.places[i], patch.reach_of(patch.radii[i] / scene.unit, &inner));
         let borders = (0..patch.places.len()).into_par_iter().map(border).collect();
-        Self { seen: patch.seen_by_parents(&inner, 0.5), inner, curves, borders, sums }
+        let (seen, mut far, mut row) = (patch.seen_by_parents(&inner, 0.5), patch.far().clone(), Vec::new());
+        let mut windows = patch.windows().clone();
+        for p in &patch.places {
+            far.read(*p, &mut row);
+            sums.far.add(&row, 1.0);
+            far.show(*p, 1.0);
+            windows.add(*p, 1.0);
+        }
+        Self { seen, inner, curves, borders, far, windows, sums }
     }
 }
 
@@ -91,8 +111,12 @@ impl BlockSums {
             placed: 0,
             sums,
             triplets,
+            far: FarSums::new(scene),
             inside: inside(1.0),
             inside_across: inside(ACROSS),
+            inside_far: (0..scene.tail.bins)
+                .map(|b| square_covariance(scene.tail.place(b) * scene.unit / side))
+                .collect(),
             neighbours,
         }
     }
@@ -109,6 +133,11 @@ impl BlockSums {
     pub(super) fn expected_triplets(&self, v: usize, bin: usize, placed: usize) -> f64 {
         let seen = if v > 0 { self.seen_of(self.inside_across[bin], placed) } else { self.seen(bin, placed).powi(2) };
         placed as f64 * seen
+    }
+
+    /// The share of an element's partners of its own class beyond the axis that is there.
+    pub(super) fn seen_far(&self, v: usize, bin: usize, placed: usize) -> f64 {
+        if v > 0 { 1.0 } else { self.seen_of(self.inside_far[bin], placed) }
     }
 
     /// The share of an element's partners of its own class that is there.

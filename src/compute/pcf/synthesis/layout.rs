@@ -17,6 +17,7 @@ use crate::compute::random::unit;
 use crate::compute::run::Run;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 const DEAL: Purpose = Purpose::new("distribution.deal");
 
@@ -158,9 +159,19 @@ impl<'a> Layout<'a> {
         let block = &self.sampler.blocks[block];
         let largest = self.all.largest_radius().max(self.scene.largest_radius());
         let sight = self.scene.metric.reach(self.scene.axis.reach(), largest, largest) + 1.0;
+        let sight = sight.max(self.scene.tail.range().1);
         let context = self.all.part(block.bounds.grown(sight * self.scene.unit), |i| !own.contains(&i));
         let (places, radii) = self.elements[range].iter().copied().unzip();
-        Patch { scene: self.scene, sampler: self.sampler, block, context, places, radii }
+        Patch {
+            scene: self.scene,
+            sampler: self.sampler,
+            block,
+            context,
+            places,
+            radii,
+            far: OnceLock::new(),
+            windows: OnceLock::new(),
+        }
     }
 
     fn renew(&mut self) {

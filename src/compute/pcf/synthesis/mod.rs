@@ -1,8 +1,10 @@
 //! New arrangements with the curves of an exemplar (T 3.1.2, 3.3, 3.4.3, 3.5).
 
 mod absence;
+mod at_large;
 mod border_table;
 mod darts;
+mod far;
 mod filling;
 mod goal;
 mod intensity;

@@ -4,6 +4,7 @@
 use super::patch::Individual;
 use super::patch::Patch;
 use super::refine::refine;
+use super::settle::Choices;
 use super::settle::Settled;
 use super::settle::Settling;
 use super::settle::settle;
@@ -44,6 +45,10 @@ const LEAST_SCALE: f64 = 0.01;
 /// the beginning.
 const LEAST_ROUND_GAIN: f64 = 0.002;
 
+/// Rounds in which every element is looked at, and that are gone through whatever they gain: what
+/// the pattern is like at large comes right in them.
+const EXACT_ROUNDS: usize = 4;
+
 /// What became of a block.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Improved {
@@ -80,7 +85,7 @@ pub(super) fn improve(
         let random = Stream::new(options.seed, AGAIN, stream << 8 | round as u64);
         let settled = settle(patch, (&individuals, (&scales, &triplet_scales)), (random, bearable), run)?;
         improved.replaced += settled.moved;
-        bearable = settled.median;
+        bearable = if round + 1 < EXACT_ROUNDS { f64::NEG_INFINITY } else { settled.median };
         improved.iterations += refine(patch, &scales, &shorter, run)?;
         individuals = patch.individuals();
         let errors = patch.errors_of(&individuals);
@@ -91,7 +96,7 @@ pub(super) fn improve(
         }
         let before = left;
         left = mean_square(&errors, &limits) + mean_square(&patch.triplet_errors(&individuals), &triplet_scales);
-        if above.is_empty() && left > before - LEAST_ROUND_GAIN {
+        if round >= EXACT_ROUNDS && above.is_empty() && left > before - LEAST_ROUND_GAIN {
             break;
         }
     }
@@ -210,7 +215,7 @@ fn replace(patch: &mut Patch<'_>, near: &[usize], mut random: Stream, run: &Run)
     for i in near {
         run.check()?;
         let draws: Vec<Point> = (0..TRIES).filter_map(|_| patch.sampler.draw(patch.block, &mut random)).collect();
-        if settling.settle(*i, &draws) == Settled::Homeless {
+        if settling.settle(*i, &Choices { near: draws, ..Choices::default() }) == Settled::Homeless {
             homeless.push(*i);
         }
     }

@@ -1,3 +1,4 @@
+use super::far::Far;
 use super::partners::Partner;
 use super::partners::Partners;
 use super::sampler::Block;
@@ -7,7 +8,9 @@ use super::scene::View;
 use crate::compute::geometry::Point;
 use crate::compute::pcf::curve;
 use crate::compute::pcf::rms;
+use crate::compute::pcf::windows::Windows;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// One block of a class: what it is filled with, and what its neighbours hold.
 pub(super) struct Patch<'a> {
@@ -21,9 +24,31 @@ pub(super) struct Patch<'a> {
     pub(super) places: Vec<Point>,
     /// Their radii in metres.
     pub(super) radii: Vec<f64>,
+    /// See [`Patch::far`].
+    pub(super) far: OnceLock<Far>,
+    /// See [`Patch::windows`].
+    pub(super) windows: OnceLock<Windows>,
 }
 
 impl<'a> Patch<'a> {
+    /// What elements see beyond the axis of anyone but the block's own.
+    pub(super) fn far(&self) -> &Far {
+        self.far.get_or_init(|| Far::around(self))
+    }
+
+    /// The windows of the block with what its neighbours hold; none with a painted density, which
+    /// says itself how elements lie at large.
+    pub(super) fn windows(&self) -> &Windows {
+        self.windows.get_or_init(|| {
+            if !self.scene.intensity.is_flat() || self.scene.views[0].target.root_counts.is_empty() {
+                return Windows::none();
+            }
+            let mut windows = Windows::over(self.scene.domain, self.block.bounds, self.scene.unit);
+            self.context.list().iter().for_each(|p| windows.add(p.place, 1.0));
+            windows
+        })
+    }
+
     /// Whether an element of the block may lie at `p`.
     pub(super) fn holds(&self, p: Point) -> bool {
         self.block.bounds.contains(p) && self.sampler.allows(p)

@@ -16,6 +16,7 @@ use crate::compute::pcf::Element;
 use crate::compute::pcf::Frame;
 use crate::compute::pcf::Kernel;
 use crate::compute::pcf::Metric;
+use crate::compute::pcf::TailAxis;
 use crate::compute::pcf::WEIGHT_CAP;
 use crate::compute::pcf::analyse::expected_mass;
 use crate::compute::pcf::curve;
@@ -45,6 +46,9 @@ pub(super) struct Scene<'a> {
     pub(super) rows: KernelRows,
     /// The places of the axis that trials look at.
     pub(super) sparse: Sparse,
+    /// The bins beyond the axis; none with a painted density, which says itself how elements lie
+    /// at large.
+    pub(super) tail: TailAxis,
 }
 
 /// One active curve: what the class sees of one class, and what it should see.
@@ -55,6 +59,8 @@ pub(super) struct View<'a> {
     pub(super) mass: Vec<f64>,
     /// Who is looked at; of its own class, those that were there before.
     pub(super) partners: Partners,
+    /// Partners per r_max² in the target domain.
+    pub(super) density: f64,
     /// What trials aim at.
     pub(super) goal: Goal,
     /// What a squared difference of the summed triplets weighs at each place of the axis: the
@@ -102,11 +108,12 @@ impl<'a> Scene<'a> {
             let goal = Goal::new(target, (&factors, &reverse), (&sparse, &rows));
             let triplet_weights =
                 triplet_weights(target, &sparse, if same { 1.0 } else { others.len() as f64 / own.len() as f64 });
-            View { target, factors, mass, partners, goal, triplet_weights, borders: Vec::new() }
+            View { target, factors, mass, partners, density, goal, triplet_weights, borders: Vec::new() }
         };
         let summary = &analysis.classes[class];
         let scale =
             if analysis.metric == Metric::Point { unit / summary.r_max } else { (unit / summary.r_max).min(1.0) };
+        let tail = if intensity.is_flat() { curves.clone().next().map(|c| c.tail.axis) } else { None };
         let mut scene = Self {
             class,
             metric: analysis.metric,
@@ -121,6 +128,7 @@ impl<'a> Scene<'a> {
             squares: Kernel::new(axis).squared(),
             rows,
             sparse,
+            tail: tail.unwrap_or_default(),
             largest_radius: own.iter().copied().fold(0.0, f64::max) / unit,
         };
         for v in 1..scene.views.len() {

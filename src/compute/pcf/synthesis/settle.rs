@@ -5,6 +5,7 @@
 //! The descent moves all elements along the gradient at once and stops in the nearest hollow;
 //! settling leaves hollows, and sees triplets too.
 
+use super::at_large::AtLarge;
 use super::filling::Filling;
 use super::partners::Partner;
 use super::patch::Individual;
@@ -13,6 +14,7 @@ use super::scene::View;
 use super::trial::Rows;
 use super::trial::Trial;
 use crate::compute::geometry::Point;
+use crate::compute::pcf::DISJOINT;
 use crate::compute::pcf::Metric;
 use crate::compute::pcf::PcfError;
 use crate::compute::random::Stream;
@@ -23,12 +25,18 @@ use std::f64::consts::TAU;
 /// Places near the old one that are tried: standard deviations of the step in r_max.
 const STEPS: [f64; 4] = [0.05, 0.15, 0.4, 1.0];
 
-/// Places anywhere in the block that are tried.
-const DRAWS: usize = 6;
+/// Places anywhere in the block that are drawn; those that fit best at large are tried.
+const DRAWS: usize = 24;
+
+/// How many of them are tried.
+const TRIED: usize = 6;
 
 /// Places over or at the rim of parents that are tried for disks, parent classes in turn: where
 /// parents are small, places drawn anywhere seldom hit one.
 const NEAR_PARENTS: usize = 20;
+
+/// Of so many parents drawn the one with the fewest elements of the class over it is taken.
+const SUITORS: usize = 8;
 
 /// The most elements whose best places are looked for at one time, before any of them moves.
 const MOST_AT_ONCE: usize = 16;
@@ -60,13 +68,14 @@ pub(super) fn settle(
     let (mut moved, mut burdens) = (0, Vec::new());
     for batch in order.chunks((order.len() / ELEMENTS_EACH).clamp(1, MOST_AT_ONCE)) {
         run.check()?;
-        let choices: Vec<(usize, Vec<Point>)> = batch.iter().map(|i| (*i, choices(patch, *i, &mut random))).collect();
+        let choices: Vec<(usize, Choices)> =
+            batch.iter().map(|i| (*i, choices((patch, &settling.filling), *i, &mut random))).collect();
         let wishes = settling.wishes(&choices);
         let mut moved_here = 0;
         for ((i, choices), wish) in choices.iter().zip(&wishes).filter(|(_, wish)| wish.is_to_move) {
             // What was wished for may not be the best any more once another has moved.
-            let choices = if moved_here == 0 { wish.place.as_slice() } else { choices };
-            moved_here += usize::from(settling.settle(*i, choices) == Settled::Moved);
+            let first = wish.place.filter(|_| moved_here == 0).map(Choices::only);
+            moved_here += usize::from(settling.settle(*i, first.as_ref().unwrap_or(choices)) == Settled::Moved);
         }
         moved += moved_here;
         burdens.extend(wishes.iter().map(|wish| wish.burden));
@@ -76,8 +85,23 @@ pub(super) fn settle(
     Ok(Round { moved, median: burdens.get(burdens.len() / 2).copied().unwrap_or(0.0) })
 }
 
+/// Places to try for an element.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Choices {
+    /// Tried all.
+    pub(super) near: Vec<Point>,
+    /// Of these the ones that fit best at large.
+    pub(super) anywhere: Vec<Point>,
+}
+
+impl Choices {
+    fn only(p: Point) -> Self {
+        Self { near: vec![p], anywhere: Vec::new() }
+    }
+}
+
 /// Places to try for element `i`.
-fn choices(patch: &Patch<'_>, i: usize, random: &mut Stream) -> Vec<Point> {
+fn choices((patch, filling): (&Patch<'_>, &Filling), i: usize, random: &mut Stream) -> Choices {
     let old = patch.places[i];
     let step = |length: &f64| {
         let offset = Point::new(random.normal(), random.normal()) * (length * patch.scene.unit);
@@ -88,20 +112,30 @@ fn choices(patch: &Patch<'_>, i: usize, random: &mut Stream) -> Vec<Point> {
         // A painted density is kept by keeping elements about where they were drawn.
         let limit = random.unit() * patch.scene.intensity.at(old);
         choices.retain(|p| p.distance(old) < patch.scene.unit && patch.scene.intensity.at(*p) >= limit);
-        return choices;
+        return Choices { near: choices, anywhere: Vec::new() };
     }
-    choices.extend((0..DRAWS).filter_map(|_| patch.sampler.draw(patch.block, random)));
+    let anywhere = (0..DRAWS).filter_map(|_| patch.sampler.draw(patch.block, random)).collect();
     if patch.scene.metric == Metric::Disk {
-        choices.extend((0..NEAR_PARENTS).filter_map(|k| near_parent(patch, (i, k), random)));
+        choices.extend((0..NEAR_PARENTS).filter_map(|k| near_parent((patch, filling), (i, k), random)));
     }
-    choices
+    Choices { near: choices, anywhere }
 }
 
 /// A place over or at the rim of a parent drawn from one class in turn, its distance uniform, as
-/// the axis is linear in it.
-fn near_parent(patch: &Patch<'_>, (i, k): (usize, usize), random: &mut Stream) -> Option<Point> {
-    let parents = patch.scene.views[1..].get(k % (patch.scene.views.len() - 1).max(1))?.partners.list();
-    let parent = parents.get(random.below(parents.len().max(1)))?;
+/// the axis is linear in it. The parent is the loneliest of a few: where each is to have its own
+/// company, the ones without are few in the end, and seldom drawn.
+fn near_parent((patch, filling): (&Patch<'_>, &Filling), (i, k): (usize, usize), random: &mut Stream) -> Option<Point> {
+    let v = 1 + k % (patch.scene.views.len() - 1).max(1);
+    let parents = patch.scene.views.get(v)?.partners.list();
+    let axis = patch.scene.rows.axis();
+    let over = axis.start..axis.end.min(axis.start + (DISJOINT / patch.scene.sparse.axis.step) as usize);
+    let company = |j: &usize| {
+        let row = filling.seen[v].get(*j).and_then(|row| row.get(over.clone()));
+        row.map_or(0.0, |row| row.iter().sum::<f32>())
+    };
+    let drawn: Vec<usize> = (0..SUITORS).map(|_| random.below(parents.len().max(1))).collect();
+    let loneliest = drawn.into_iter().min_by(|a, b| company(a).total_cmp(&company(b)))?;
+    let parent = parents.get(loneliest)?;
     let reach = parent.radius * patch.scene.unit + patch.radii[i];
     let p = parent.place + Point::from_angle(random.range(0.0, TAU)) * (random.unit() * reach);
     Some(p).filter(|p| patch.holds(*p))
@@ -136,6 +170,8 @@ pub(super) struct Settling<'a> {
     chooser: Chooser<'a>,
     /// What a squared error weighs.
     weights: Rows,
+    /// The scales of the curves.
+    scales: Vec<f64>,
     /// Elements that raise the squared errors by less stay.
     bearable: f64,
 }
@@ -161,7 +197,8 @@ impl<'a> Settling<'a> {
             scene.rows.aligned(view.triplet_weights.iter().map(|inverse| inverse * weight))
         };
         let weights = Rows { curves: views().map(of_curve).collect(), triplets: views().map(of_triplets).collect() };
-        Self { patch, filling: Filling::complete(patch, individuals), chooser: Chooser::new(patch), weights, bearable }
+        let (filling, chooser) = (Filling::complete(patch, individuals), Chooser::new(patch, curves));
+        Self { patch, filling, chooser, weights, scales: curves.to_vec(), bearable }
     }
 
     /// The places of all elements.
@@ -170,15 +207,15 @@ impl<'a> Settling<'a> {
     }
 
     /// For each of some elements, where among its choices it had better be as things stand.
-    fn wishes(&self, choices: &[(usize, Vec<Point>)]) -> Vec<Wish> {
-        let wish = |chooser: &mut Chooser<'a>, (i, choices): &(usize, Vec<Point>)| {
+    fn wishes(&self, choices: &[(usize, Choices)]) -> Vec<Wish> {
+        let wish = |chooser: &mut Chooser<'a>, (i, choices): &(usize, Choices)| {
             chooser.best((&self.filling, &self.weights, self.bearable), *i, choices)
         };
-        choices.par_iter().map_init(|| Chooser::new(self.patch), wish).collect()
+        choices.par_iter().map_init(|| Chooser::new(self.patch, &self.scales), wish).collect()
     }
 
     /// Moves element `i` to the best of its own place and `choices`, ties to the first.
-    pub(super) fn settle(&mut self, i: usize, choices: &[Point]) -> Settled {
+    pub(super) fn settle(&mut self, i: usize, choices: &Choices) -> Settled {
         let wish = self.chooser.best((&self.filling, &self.weights, self.bearable), i, choices);
         match wish.place {
             None => Settled::Homeless,
@@ -195,6 +232,14 @@ impl<'a> Settling<'a> {
     fn put(&mut self, i: usize, old: &Partner, place: Point) {
         let (scene, trial) = (self.patch.scene, &mut self.chooser.trial);
         let new = Partner { place, weight: scene.intensity.weight(place), ..*old };
+        let (mut seen, Filling { far, windows, sums, .. }) = (Vec::new(), &mut self.filling);
+        far.show(old.place, -1.0);
+        for (p, times) in [(old.place, -1.0), (place, 1.0)] {
+            far.read(p, &mut seen);
+            sums.far.add(&seen, times);
+            windows.add(p, times);
+        }
+        far.show(place, 1.0);
         for (partner, times) in [(old, -1.0), (&new, 1.0)] {
             trial.see_all((partner.place, partner.radius), &self.filling);
             trial.add_to_sums(times, &mut self.filling);
@@ -221,31 +266,37 @@ struct Wish {
 /// Finds the best place for an element of a block.
 struct Chooser<'a> {
     trial: Trial<'a>,
+    at_large: AtLarge<'a>,
     /// How far the block is from its goals without the element.
     errors: Rows,
 }
 
 impl<'a> Chooser<'a> {
-    fn new(patch: &'a Patch<'a>) -> Self {
+    fn new(patch: &'a Patch<'a>, scales: &[f64]) -> Self {
         let rows = || patch.scene.views.iter().map(|_| patch.scene.rows.zeros()).collect();
-        Self { trial: Trial::new(patch), errors: Rows { curves: rows(), triplets: rows() } }
+        Self {
+            trial: Trial::new(patch),
+            at_large: AtLarge::new(patch, scales),
+            errors: Rows { curves: rows(), triplets: rows() },
+        }
     }
 
     /// The best place for element `i`, its own the first of the choices.
-    fn best(&mut self, (filling, weights, bearable): (&Filling, &Rows, f64), i: usize, choices: &[Point]) -> Wish {
+    fn best(&mut self, (filling, weights, bearable): (&Filling, &Rows, f64), i: usize, choices: &Choices) -> Wish {
         let (old, count) = (filling.inner.list()[i], filling.sums.placed);
         self.trial.take_out(i, filling);
         let free = self.trial.see_all((old.place, old.radius), filling);
         self.trial.errors_without(&mut self.errors, (&filling.sums, count));
-        let burden = self.error(weights, count);
+        self.at_large.take_out(old.place, filling);
+        let burden = self.error(weights, count) + self.at_large.growth(old.place, filling);
         let mut wish = Wish { place: free.then_some(old.place), is_to_move: false, burden };
         if free && burden < bearable {
             return wish;
         }
         let mut least = if free { burden } else { f64::INFINITY };
-        for p in choices {
+        for p in choices.near.iter().chain(&self.best_at_large(&choices.anywhere, filling)) {
             if self.trial.see((*p, old.radius), filling) {
-                let error = self.error(weights, count);
+                let error = self.error(weights, count) + self.at_large.growth(*p, filling);
                 if error < least {
                     least = error;
                     wish = Wish { place: Some(*p), is_to_move: true, burden };
@@ -253,6 +304,13 @@ impl<'a> Chooser<'a> {
             }
         }
         wish
+    }
+
+    /// The best of `places` by what is read off fields, which costs little.
+    fn best_at_large(&mut self, places: &[Point], filling: &Filling) -> Vec<Point> {
+        let mut ranked: Vec<(f64, Point)> = places.iter().map(|p| (self.at_large.growth(*p, filling), *p)).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ranked.into_iter().take(TRIED).map(|(_, p)| p).collect()
     }
 
     /// By how much the last candidate raises the squared errors of a block of `count` elements.

@@ -37,6 +37,8 @@ pub(super) struct Trial<'a> {
     curves: Vec<Vec<f32>>,
     /// What it adds to the sums of triplets.
     triplets: Vec<Vec<f32>>,
+    /// What a dart sees beyond the axis.
+    far: Vec<f64>,
 }
 
 impl<'a> Trial<'a> {
@@ -53,6 +55,7 @@ impl<'a> Trial<'a> {
             crossed: rows(),
             curves: rows(),
             triplets: rows(),
+            far: Vec::new(),
         }
     }
 
@@ -65,13 +68,14 @@ impl<'a> Trial<'a> {
         if !self.see_own((p, radius), &border, filling) {
             return BARRED;
         }
+        filling.far.read(p, &mut self.far);
         let views = scene.views.len();
         let (mut growth, mut outside) = (0.0, 0.0_f64);
         for v in 0..views {
             if v > 0 {
                 self.see_parent(v, (p, radius), (&border, &filling.seen[v]));
             }
-            growth += self.growth(v, &filling.sums) / views as f64
+            growth += (self.growth(v, &filling.sums) + self.far_growth(v, &filling.sums)) / views as f64
                 + scene.triplet_share(v) * self.triplet_growth(v, &filling.sums);
             outside = outside.max(self.above(v));
             if v > 0 {
@@ -197,6 +201,13 @@ impl<'a> Trial<'a> {
         growth / view.goal.triplets.len().max(1) as f64
     }
 
+    /// The same beyond the axis.
+    fn far_growth(&self, v: usize, sums: &BlockSums) -> f64 {
+        let view = &self.patch.scene.views[v];
+        let there = |placed: usize| move |bin: usize| sums.seen_far(v, bin, placed);
+        sums.far.growth((v, view), (there(sums.placed), there(sums.placed + 1)), &self.far)
+    }
+
     /// For one view: the growth of the block's distance to its target curve.
     ///
     /// T's first term of eq. 3.13 is the largest relative excess of the new mean curve. It sees
@@ -319,7 +330,7 @@ impl<'a> Trial<'a> {
         row[self.kernel.lanes()].as_chunks::<LANES>().0
     }
 
-    /// Adds the last candidate, seen in full, to the block as a new element.
+    /// Adds the last dart, seen in full, to the block as a new element.
     pub(super) fn accept(&self, partner: Partner, filling: &mut Filling) {
         let reach = self.patch.reach_of(partner.radius, &filling.inner);
         filling.borders.push(self.patch.scene.border_table(partner.place, reach));
@@ -328,6 +339,8 @@ impl<'a> Trial<'a> {
         filling.sums.placed += 1;
         let last = filling.curves.len() - 1;
         self.add_to_sums(1.0, filling);
+        filling.sums.far.add(&self.far, 1.0);
+        filling.far.show(partner.place, 1.0);
         self.show((last, &partner), 1.0, filling);
         filling.curves[last] = self.own_curve();
     }

@@ -1,0 +1,195 @@
+//! What elements see beyond the axis of their curves ([`crate::compute::pcf::Tail`]), by fields:
+//! at every node of a wide grid, how many pairs an element there would have in every bin. A
+//! candidate reads its four nodes, whatever the number of partners.
+
+use super::partners::Partners;
+use super::patch::Patch;
+use super::scene::Scene;
+use super::scene::View;
+use crate::compute::geometry::Point;
+use crate::compute::pcf::RELATIVE_FLOOR;
+use crate::compute::pcf::TailAxis;
+use rayon::prelude::*;
+
+/// Distance of two nodes in r_max: half a bin.
+const NODE_STEP: f64 = 0.5;
+
+/// Sections of a node's values, of one value a bin: the part of each ring inside the domain, pairs
+/// with the block's own elements, with the class's others, then with each parent class.
+const RINGS: usize = 0;
+const INNER: usize = 1;
+const CONTEXT: usize = 2;
+
+/// The fields over one block.
+#[derive(Debug, Clone)]
+pub(super) struct Far {
+    axis: TailAxis,
+    unit: f64,
+    origin: Point,
+    step: f64,
+    columns: usize,
+    rows: usize,
+    width: usize,
+    nodes: Vec<f64>,
+}
+
+impl Far {
+    /// The fields of `patch` without its own elements.
+    pub(super) fn around(patch: &Patch<'_>) -> Self {
+        let (scene, axis) = (patch.scene, patch.scene.tail);
+        let bounds = patch.block.bounds;
+        let step = NODE_STEP * scene.unit;
+        let size = |extent: f64| if axis.bins > 0 { (extent / step) as usize + 2 } else { 0 };
+        let (columns, rows) = (size(bounds.width()), size(bounds.height()));
+        let width = axis.bins * (CONTEXT + scene.views.len());
+        let mut far =
+            Self { axis, unit: scene.unit, origin: bounds.min, step, columns, rows, width, nodes: Vec::new() };
+        let row = |row: usize| {
+            let nodes = (0..columns).flat_map(|column| far.node(patch, far.place(column, row)));
+            nodes.collect::<Vec<f64>>()
+        };
+        let all: Vec<Vec<f64>> = (0..rows).into_par_iter().map(row).collect();
+        far.nodes = all.concat();
+        far
+    }
+
+    fn place(&self, column: usize, row: usize) -> Point {
+        self.origin + Point::new(column as f64, row as f64) * self.step
+    }
+
+    /// What an element at `p` would see.
+    fn node(&self, patch: &Patch<'_>, p: Point) -> Vec<f64> {
+        let (scene, bins) = (patch.scene, self.axis.bins);
+        let mut node = vec![0.0; self.width];
+        let border = scene.border(p, self.axis.range().1);
+        node[..bins].copy_from_slice(&self.axis.rings_inside(&border));
+        for v in 0..scene.views.len() {
+            let section = &mut node[(CONTEXT + v) * bins..(CONTEXT + v + 1) * bins];
+            self.add_pairs(section, p, patch.partners(v));
+        }
+        node
+    }
+
+    fn add_pairs(&self, section: &mut [f64], p: Point, partners: &Partners) {
+        partners.for_each_near(p, self.axis.range().1 * self.unit, |_, partner| {
+            self.axis.add(section, partner.place.distance(p) / self.unit, 1.0);
+        });
+    }
+
+    /// Adds an element of the block `times` at `p`.
+    pub(super) fn show(&mut self, p: Point, times: f64) {
+        let (nearest, farthest) = (self.axis.range().0 * self.unit, self.axis.range().1 * self.unit);
+        let bins = self.axis.bins;
+        let span = |low: f64, count: usize| {
+            let at = |v: f64| ((v / self.step).max(0.0) as usize).min(count);
+            at(low - farthest)..at(low + farthest + self.step)
+        };
+        let offset = p - self.origin;
+        let (columns, rows) = (span(offset.x, self.columns), span(offset.y, self.rows));
+        for row in rows {
+            for column in columns.clone() {
+                let distance = self.place(column, row).distance(p);
+                if distance > nearest && distance < farthest {
+                    let first = (row * self.columns + column) * self.width + INNER * bins;
+                    self.axis.add(&mut self.nodes[first..first + bins], distance / self.unit, times);
+                }
+            }
+        }
+    }
+
+    /// What an element at `p` would see, between its four nodes.
+    pub(super) fn read(&self, p: Point, seen: &mut Vec<f64>) {
+        seen.clear();
+        seen.resize(self.width, 0.0);
+        if self.nodes.is_empty() {
+            return;
+        }
+        let at = (p - self.origin) * (1.0 / self.step);
+        let cell = |v: f64, count: usize| (v.max(0.0) as usize).min(count - 2);
+        let (column, row) = (cell(at.x, self.columns), cell(at.y, self.rows));
+        let (u, v) = ((at.x - column as f64).clamp(0.0, 1.0), (at.y - row as f64).clamp(0.0, 1.0));
+        let corners = [(0, 0, (1.0 - u) * (1.0 - v)), (1, 0, u * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 1, u * v)];
+        for (x, y, share) in corners {
+            let first = ((row + y) * self.columns + column + x) * self.width;
+            let node = &self.nodes[first..first + self.width];
+            seen.iter_mut().zip(node).for_each(|(sum, value)| *sum += share * value);
+        }
+    }
+}
+
+/// Takes what an element sees of another at `distance` (r_max) in its own block out of `seen`.
+pub(super) fn hide(axis: &TailAxis, seen: &mut [f64], distance: f64) {
+    axis.add(&mut seen[INNER * axis.bins..(INNER + 1) * axis.bins], distance, -1.0);
+}
+
+/// The sums over a block's elements of what they see beyond the axis.
+#[derive(Debug, Clone)]
+pub(super) struct FarSums {
+    axis: TailAxis,
+    /// Pairs by view and bin.
+    pairs: Vec<f64>,
+    /// The parts of rings inside the domain, by bin.
+    rings: Vec<f64>,
+}
+
+impl FarSums {
+    /// No elements yet.
+    pub(super) fn new(scene: &Scene<'_>) -> Self {
+        let bins = scene.tail.bins;
+        Self { axis: scene.tail, pairs: vec![0.0; scene.views.len() * bins], rings: vec![0.0; bins] }
+    }
+
+    /// Adds `times` what an element `seen` from [`Far::read`] adds: its own pairs and, towards its
+    /// own class, those that others of the block have with it.
+    pub(super) fn add(&mut self, seen: &[f64], times: f64) {
+        let bins = self.axis.bins;
+        for (k, sum) in self.pairs.iter_mut().enumerate() {
+            *sum += times * pairs(seen, (k / bins, k % bins), bins);
+        }
+        self.rings.iter_mut().zip(seen).for_each(|(sum, ring)| *sum += times * ring);
+    }
+
+    /// The pairs of a bin in view `v` beyond those expected, with one more element `seen`; of the
+    /// class itself the share `there` is laid out.
+    fn excess(&self, (v, view): (usize, &View<'_>), (bin, there): (usize, f64), seen: Option<&[f64]>) -> f64 {
+        let bins = self.axis.bins;
+        let (more, ring) = seen.map_or((0.0, 0.0), |s| (pairs(s, (v, bin), bins), s[RINGS * bins + bin]));
+        let expected = view.target.tail.mean[bin] * view.density * there;
+        self.pairs[v * bins + bin] + more - expected * (self.rings[bin] + ring)
+    }
+
+    /// The mean square difference of view `v` to its target tail with one more element `seen`, over
+    /// `count` elements; 0 without a tail.
+    pub(super) fn mean_square(&self, (v, view): (usize, &View<'_>), count: usize, seen: Option<&[f64]>) -> f64 {
+        let square = |bin: usize| {
+            let all = self.axis.ring(bin) * view.density * count.max(1) as f64;
+            (self.excess((v, view), (bin, 1.0), seen) / all).powi(2)
+        };
+        (0..self.axis.bins).map(square).sum::<f64>() / self.axis.bins.max(1) as f64
+    }
+
+    /// How much farther from its target tail an element `seen` brings view `v`: the growth of
+    /// squares over the variance of independent pairs, as for curves; `there` of the class is laid
+    /// out before and after it, by bin.
+    pub(super) fn growth(
+        &self,
+        (v, view): (usize, &View<'_>),
+        there: (impl Fn(usize) -> f64, impl Fn(usize) -> f64),
+        seen: &[f64],
+    ) -> f64 {
+        let ends = if v == 0 { 2.0 } else { 1.0 };
+        let one = |bin: usize| {
+            let before = self.excess((v, view), (bin, there.0(bin)), None);
+            let after = self.excess((v, view), (bin, there.1(bin)), Some(seen));
+            let goal = view.target.tail.mean[bin].max(RELATIVE_FLOOR);
+            (after * after - before * before) / (self.axis.ring(bin) * view.density * goal * ends)
+        };
+        (0..self.axis.bins).map(one).sum::<f64>() / self.axis.bins.max(1) as f64
+    }
+}
+
+/// What an element `seen` adds to the pairs of view `v` in a bin.
+fn pairs(seen: &[f64], (v, bin): (usize, usize), bins: usize) -> f64 {
+    let section = |k: usize| seen[k * bins + bin];
+    if v == 0 { 2.0 * section(INNER) + section(CONTEXT) } else { section(CONTEXT + v) }
+}
