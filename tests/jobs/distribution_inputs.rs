@@ -134,6 +134,7 @@ fn a_domain_without_area_or_that_crosses_itself_is_refused() {
 fn a_kernel_or_step_that_makes_no_sense_is_refused() {
     assert_refused(|i| i["exemplar"]["sigma"] = json!(0), "/exemplar/sigma", "out-of-range");
     assert_refused(|i| i["exemplar"]["sigma"] = json!(-0.2), "/exemplar/sigma", "out-of-range");
+    assert_refused(|i| i["exemplar"]["sigma"] = json!(1e9), "/exemplar/sigma", "out-of-range");
     assert_refused(|i| i["exemplar"]["step"] = json!(9), "/exemplar/step", "out-of-range");
 }
 

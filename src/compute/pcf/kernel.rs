@@ -35,7 +35,7 @@ impl Axis {
     /// Checks the three numbers.
     ///
     /// # Errors
-    /// [`PcfError::Axis`] when one is not positive and finite, when the step exceeds the extent,
+    /// [`PcfError::Axis`] when one is not positive and finite, when step or σ exceed the extent,
     /// or when the curve would have more than [`MAX_BINS`] values.
     pub fn checked(self) -> Result<Self, PcfError> {
         let fault = |field, expected, found| Err(PcfError::Axis { field, expected, found });
@@ -45,6 +45,7 @@ impl Axis {
             Self { step, .. } if !positive(step) => fault("step", "a positive number", step),
             Self { extent, .. } if !positive(extent) => fault("extent", "a positive number", extent),
             Self { step, extent, .. } if step > extent => fault("step", "at most the extent", step),
+            Self { sigma, extent, .. } if sigma > extent => fault("sigma", "at most the extent", sigma),
             Self { step, extent, .. } if extent / step > MAX_BINS as f64 => {
                 fault("step", "a step that gives at most 2000 values", step)
             }
@@ -178,6 +179,7 @@ mod tests {
         for (bad, at) in [
             (axis(0.0, 0.1, 5.0), "sigma"),
             (axis(-1.0, 0.1, 5.0), "sigma"),
+            (axis(1e9, 0.1, 5.0), "sigma"),
             (axis(0.25, f64::NAN, 5.0), "step"),
             (axis(0.25, 6.0, 5.0), "step"),
             (axis(0.25, 1e-9, 5.0), "step"),
