@@ -7,19 +7,32 @@ use serde_json::Value;
 
 use crate::jobs::sources::SourceError;
 
-/// The rows of a table as a list of objects by the names in its header. Cells that are numbers
-/// become numbers, `true` and `false` become booleans, empty cells are left out, all others are
-/// texts.
+/// The names in the header of a table, and its rows, each of as many cells.
+pub type Rows = (csv::StringRecord, Vec<csv::StringRecord>);
+
+/// The cells of a table as they stand there.
 ///
 /// # Errors
 /// When the bytes are no UTF-8, there is no header, or a row has another number of cells.
-pub fn records(bytes: &[u8]) -> Result<Value, SourceError> {
+pub fn rows(bytes: &[u8]) -> Result<Rows, SourceError> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
     let header = reader.headers().map_err(|error| malformed(error.to_string()))?.clone();
     if header.is_empty() {
         return Err(malformed("an empty text".to_owned()));
     }
-    reader.into_records().map(|row| Ok(record(&header, &row.map_err(|error| malformed(error.to_string()))?))).collect()
+    let rows = reader.into_records().map(|row| row.map_err(|error| malformed(error.to_string())));
+    Ok((header, rows.collect::<Result<_, _>>()?))
+}
+
+/// The rows of a table as a list of objects by the names in its header. Cells that are numbers
+/// become numbers, `true` and `false` become booleans, empty cells are left out, all others are
+/// texts.
+///
+/// # Errors
+/// As [`rows`].
+pub fn records(bytes: &[u8]) -> Result<Value, SourceError> {
+    let (header, rows) = rows(bytes)?;
+    Ok(rows.iter().map(|row| record(&header, row)).collect())
 }
 
 fn malformed(found: String) -> SourceError {

@@ -46,11 +46,25 @@ fn assert_fault(process: &dyn Process, inputs: Value, pointer: &str, code: &str)
     assert!(found.contains(&(pointer.to_owned(), code.to_owned())), "expected {pointer} {code}, found {found:?}");
 }
 
-/// Asserts a fault of the exemplar, which all processes read alike.
+/// Asserts a fault of the exemplar, which all four processes read alike.
 fn assert_refused(change: impl Fn(&mut Value), pointer: &str, code: &str) {
-    assert_fault(&DistributionAnalysis, with(&change), pointer, code);
-    assert_fault(&DiskSynthesis, with(&change), pointer, code);
+    assert_refused_by(&[&DistributionAnalysis, &DiskSynthesis, &DistributionInpainting], &change, pointer, code);
+    let clustered = |i: &mut Value| {
+        i["clusters"] = json!(2);
+        change(i);
+    };
+    assert_refused_by(&[&DistributionDecomposition], clustered, pointer, code);
 }
+
+/// The same for some of them.
+fn assert_refused_by(processes: &[&dyn Process], change: impl Fn(&mut Value), pointer: &str, code: &str) {
+    for process in processes {
+        assert_fault(*process, with(&change), pointer, code);
+    }
+}
+
+/// The processes that look from class to class: a decomposition has one class.
+const BY_CLASS: [&dyn Process; 3] = [&DistributionAnalysis, &DiskSynthesis, &DistributionInpainting];
 
 #[test]
 fn valid_inputs_have_no_fault() {
@@ -100,9 +114,16 @@ fn numbers_that_are_none_and_negative_radii_are_named() {
     );
     assert_refused(|i| i["exemplar"]["elements"][2]["x"] = json!("NaN"), "/exemplar/elements/2/x", "wrong-type");
     let table = |cell: &str| json!({"value": format!("x,y\n1,2\n{cell},3\n5,6\n"), "mediaType": "text/csv"});
-    for cell in ["NaN", "inf"] {
+    for cell in ["NaN", "nan", "inf", "-inf", "1e999"] {
         assert_refused(|i| i["exemplar"]["elements"] = table(cell), "/exemplar/elements/1/x", "out-of-range");
     }
+    let radii = |cell: &str| json!({"value": format!("x,y,radius\n1,2,0.1\n4,3,{cell}\n"), "mediaType": "text/csv"});
+    for cell in ["nan", "inf", "-0.1"] {
+        assert_refused(|i| i["exemplar"]["elements"] = radii(cell), "/exemplar/elements/1/radius", "out-of-range");
+    }
+    // Beyond the largest number of JSON, in a document behind a reference.
+    let list = json!({"value": r#"[{"x": 1e999, "y": 1}, {"x": 2, "y": 1}]"#, "mediaType": "application/json"});
+    assert_refused(|i| i["exemplar"]["elements"] = list.clone(), "/exemplar/elements", "unreadable");
 }
 
 #[test]

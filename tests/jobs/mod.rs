@@ -2,6 +2,7 @@
 
 pub mod determinism;
 mod distribution_inputs;
+mod distribution_outcomes;
 mod ecosystem_inputs;
 mod ecosystem_outcomes;
 mod herd_inputs;

@@ -9,11 +9,15 @@ use crate::compute::geometry::Point;
 use crate::compute::pcf::Element;
 use crate::jobs::Invalid;
 use crate::jobs::Sources;
+use crate::jobs::csv;
 use crate::jobs::schema::read;
 use crate::jobs::sources::Content;
 
 /// The most elements a pattern may have.
 pub const MAX_ELEMENTS: usize = 200_000;
+
+/// Cells of a table that are no numbers, before the rest is not looked at.
+const MOST_FAULTS: usize = 20;
 
 /// Elements with the names of their classes.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +49,7 @@ pub fn open(
         Given::Reference(reference) => {
             let source = sources.open(reference).map_err(|e| e.at(pointer))?;
             match &source.content {
-                Content::Encoded { media_type, bytes } if media_type.contains("csv") => csv(bytes, pointer)?,
+                Content::Encoded { media_type, bytes } if media_type.contains("csv") => from_csv(bytes, pointer)?,
                 _ => read(source.json().map_err(|e| e.at(pointer))?).map_err(|e| e.below(pointer))?,
             }
         }
@@ -66,34 +70,39 @@ pub fn open(
 }
 
 /// The rows of a CSV table with the columns x and y, and radius and class where they are there.
-fn csv(bytes: &[u8], pointer: &str) -> Result<Vec<ElementInput>, Invalid> {
-    let unreadable = |found: &str| Invalid::new(pointer, ErrorCode::Unreadable, "a CSV table with columns x,y", found);
-    let text = std::str::from_utf8(bytes).map_err(|_| unreadable("bytes that are not UTF-8"))?;
-    let mut lines = text.trim_start_matches('\u{feff}').lines().filter(|l| !l.trim().is_empty());
-    let cells = |line: &str| line.split(',').map(|c| c.trim().trim_matches('"').to_owned()).collect::<Vec<String>>();
-    let header = lines.next().map(cells).unwrap_or_default();
+/// Classes are texts, whatever they look like; a cell left empty is as if its column were not
+/// there.
+fn from_csv(bytes: &[u8], pointer: &str) -> Result<Vec<ElementInput>, Invalid> {
+    let (header, rows) = csv::rows(bytes).map_err(|e| e.at(pointer))?;
     let column = |name: &str| header.iter().position(|c| c == name);
-    let (Some(x), Some(y)) = (column("x"), column("y")) else { return Err(unreadable("other columns")) };
+    let (Some(x), Some(y)) = (column("x"), column("y")) else {
+        let found = header.iter().collect::<Vec<&str>>().join(",");
+        return Err(Invalid::new(pointer, ErrorCode::Unreadable, "a CSV table with columns x,y", found));
+    };
     let (radius, class) = (column("radius"), column("class"));
     let mut faults = Invalid::default();
     let mut elements = Vec::new();
-    for (row, line) in lines.enumerate() {
-        let cells = cells(line);
-        let mut number = |place: usize, name: &str| {
-            let cell = cells.get(place).map_or("", String::as_str);
+    for (i, row) in rows.iter().enumerate() {
+        let cell = |column: Option<usize>| column.and_then(|c| row.get(c)).filter(|cell| !cell.is_empty());
+        let mut number = |cell: &str, name: &str| {
             cell.parse::<f64>().unwrap_or_else(|_| {
-                faults.push(format!("{pointer}/{row}/{name}"), ErrorCode::WrongType, "a number", cell);
+                faults.push(
+                    format!("{pointer}/{i}/{name}"),
+                    ErrorCode::WrongType,
+                    "a number",
+                    if cell.is_empty() { "an empty cell" } else { cell },
+                );
                 0.0
             })
         };
         elements.push(ElementInput {
             id: None,
-            class: class.and_then(|c| cells.get(c)).cloned().unwrap_or_else(default_class),
-            x: number(x, "x"),
-            y: number(y, "y"),
-            radius: radius.map_or(0.0, |r| number(r, "radius")),
+            class: cell(class).map_or_else(default_class, str::to_owned),
+            x: number(cell(Some(x)).unwrap_or_default(), "x"),
+            y: number(cell(Some(y)).unwrap_or_default(), "y"),
+            radius: cell(radius).map_or(0.0, |cell| number(cell, "radius")),
         });
-        if faults.errors.len() >= 20 {
+        if faults.errors.len() >= MOST_FAULTS {
             break;
         }
     }
@@ -128,5 +137,22 @@ mod tests {
             (faults.errors[0].pointer.as_str(), faults.errors[0].found.as_str()),
             ("/exemplar/elements/0/y", "two")
         );
+        let empty = opened("data:text/csv,x,y%0A1,%0A").unwrap_err();
+        assert_eq!(empty.errors[0].found, "an empty cell");
+    }
+
+    #[test]
+    fn classes_are_texts_whatever_they_look_like() {
+        let table =
+            opened("data:text/csv,class,x,y%0A1,2,3%0A01,4,5%0Atrue,6,7%0A%22a%2C %22%22b%22%22%22,8,9%0A,1,1%0A")
+                .unwrap();
+        assert_eq!(table.classes, ["1", "01", "true", "a, \"b\"", &default_class()]);
+    }
+
+    #[test]
+    fn a_table_without_places_or_with_a_short_row_is_refused() {
+        let other = opened("data:text/csv,a,b%0A1,2%0A").unwrap_err();
+        assert_eq!((other.errors[0].code.as_str(), other.errors[0].found.as_str()), ("unreadable", "a,b"));
+        assert_eq!(opened("data:text/csv,x,y%0A1,2%0A3%0A").unwrap_err().errors[0].code, "malformed");
     }
 }

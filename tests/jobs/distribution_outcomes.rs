@@ -1,0 +1,103 @@
+//! What jobs on arrangements say when a pattern cannot be met, and bodies that hold no numbers.
+
+use axum::http::Method;
+use serde_json::Value;
+use serde_json::json;
+
+use crate::support::TestApp;
+
+/// Runs a job that must succeed; the document `report` or `analysis` it hands back.
+async fn document(app: &TestApp, process: &str, inputs: Value, output: &str) -> Value {
+    let (job, status) = app.finish(process, &json!({ "inputs": inputs })).await;
+    assert_eq!(status["status"], "successful", "{status}");
+    app.get(&format!("{job}/results/{output}")).await.json()
+}
+
+fn has_warning(document: &Value, code: &str) -> bool {
+    document["warnings"]
+        .as_array()
+        .expect("warnings")
+        .iter()
+        .any(|w| w["code"] == code && w["count"].as_u64() > Some(0))
+}
+
+/// A hexagonal grid of points a metre apart (T figure 3.19) with its domain.
+fn hexagonal() -> Value {
+    let place = |k: u32| {
+        let (row, column) = (k / 8, k % 8);
+        json!({"x": f64::from(column) + 0.5 * f64::from(row % 2) + 0.25, "y": (f64::from(row) + 0.5) * 0.866_025_4})
+    };
+    let domain = json!({"type": "rectangle", "min": [0, 0], "max": [8, 8.660_254]});
+    json!({"elements": (0..80).map(place).collect::<Vec<Value>>(), "domain": domain})
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_grid_too_regular_to_be_met_ends_with_a_warning() {
+    let app = TestApp::standard().await;
+    let (job, status) = app.finish("disk-synthesis", &json!({"inputs": {"exemplar": hexagonal(), "seed": 1}})).await;
+    assert_eq!(status["status"], "successful", "{status}");
+    let report = app.get(&format!("{job}/results/report")).await.json();
+    assert!(has_warning(&report, "OUTSIDE_VALIDITY"), "{report}");
+    let manifest = app.get(&format!("{job}/results/manifest")).await.json();
+    assert!(has_warning(&manifest, "OUTSIDE_VALIDITY"), "{manifest}");
+    let elements = app.get(&format!("{job}/results/elements?f=json")).await.json();
+    let places: Vec<(f64, f64)> = elements
+        .as_array()
+        .expect("rows")
+        .iter()
+        .map(|e| (e["x"].as_f64().expect("x"), e["y"].as_f64().expect("y")))
+        .collect();
+    assert!(places.len() >= 76, "{} of 80", places.len());
+    for (i, a) in places.iter().enumerate() {
+        assert!(places[..i].iter().all(|b| (a.0 - b.0).hypot(a.1 - b.1) >= 0.5 - 1e-9), "half the spacing is kept");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_count_that_cannot_be_reached_ends_with_what_fits_and_says_so() {
+    let app = TestApp::standard().await;
+    let strip = json!({"type": "rectangle", "min": [0, 0], "max": [8, 0.3]});
+    let fixed: Vec<Value> = (0..160).map(|k| json!({"x": 0.05 * f64::from(k), "y": 0.15})).collect();
+    let target = json!({"domain": strip, "counts": {"element": 400}, "fixed": fixed});
+    let inputs = json!({"exemplar": hexagonal(), "target": target, "options": {"max_fails": 20}});
+    let report = document(&app, "disk-synthesis", inputs, "report").await;
+    let class = &report["classes"][0];
+    let number = |field: &str| class[field].as_u64().expect("a number");
+    assert_eq!((number("asked"), number("fixed")), (400, 160), "{report}");
+    assert!(number("missing") > 0 && number("missing") + number("placed") == 240, "{report}");
+    assert!(has_warning(&report, "COUNT_NOT_REACHED"), "{report}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_place_shared_by_two_classes_is_a_warning_of_the_job() {
+    let app = TestApp::standard().await;
+    let mut exemplar = hexagonal();
+    let mut twin = exemplar["elements"][11].clone();
+    twin["class"] = json!("other");
+    exemplar["elements"].as_array_mut().expect("a list").push(twin);
+    for process in ["disk-synthesis", "distribution-inpainting"] {
+        let report = document(&app, process, json!({"exemplar": exemplar.clone()}), "report").await;
+        assert!(has_warning(&report, "SHARED_PLACES"), "{process}: {report}");
+    }
+    for (process, more) in [("distribution-analysis", None), ("distribution-decomposition", Some(2))] {
+        let mut inputs = json!({"exemplar": exemplar.clone()});
+        if let Some(clusters) = more {
+            inputs["clusters"] = json!(clusters);
+        }
+        let manifest = document(&app, process, inputs, "manifest").await;
+        assert!(has_warning(&manifest, "SHARED_PLACES"), "{process}: {manifest}");
+    }
+}
+
+#[tokio::test]
+async fn a_number_too_large_for_one_is_refused_in_the_body_of_every_process() {
+    let app = TestApp::standard().await;
+    for process in ["distribution-analysis", "disk-synthesis", "distribution-inpainting", "distribution-decomposition"]
+    {
+        for number in ["1e999", "-1e999", "NaN", "Infinity"] {
+            let body = format!(r#"{{"inputs":{{"exemplar":{{"elements":[{{"x":{number},"y":1}}]}}}}}}"#);
+            let reply = app.ask(Method::POST, &format!("/processes/{process}/execution"), &[], body).await;
+            reply.assert_problem(400, "body-not-json");
+        }
+    }
+}
