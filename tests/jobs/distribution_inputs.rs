@@ -63,9 +63,6 @@ fn assert_refused_by(processes: &[&dyn Process], change: impl Fn(&mut Value), po
     }
 }
 
-/// The processes that look from class to class: a decomposition has one class.
-const BY_CLASS: [&dyn Process; 3] = [&DistributionAnalysis, &DiskSynthesis, &DistributionInpainting];
-
 #[test]
 fn valid_inputs_have_no_fault() {
     for process in [&DistributionAnalysis as &dyn Process, &DiskSynthesis, &DistributionInpainting] {
