@@ -101,6 +101,11 @@ pub mod extraction {
     fn a_moving_picture_is_refused() {
         let moving = Animation { frames: vec![picture(), picture()], delay_ms: 50 }.to_apng().expect("an animation");
         refused(with(|i| i["photo"] = by_value(&moving, "image/png")), "/photo", "picture-animated");
+        // Neither form is read at all, moving or still.
+        let webp = b"RIFF\x2a\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x3b\0\0\x27\0\0ANIM\x06\0\0\0\0\0\0\0\0\0";
+        refused(with(|i| i["photo"] = by_value(webp, "image/webp")), "/photo", "unreadable");
+        let gif = b"GIF89a\x01\0\x01\0\0\0\0!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0";
+        refused(with(|i| i["photo"] = by_value(gif, "image/gif")), "/photo", "unreadable");
     }
 
     #[test]
