@@ -58,7 +58,7 @@ async fn a_count_that_cannot_be_reached_ends_with_what_fits_and_says_so() {
     let app = TestApp::standard().await;
     let strip = json!({"type": "rectangle", "min": [0, 0], "max": [8, 0.3]});
     let fixed: Vec<Value> = (0..160).map(|k| json!({"x": 0.05 * f64::from(k), "y": 0.15})).collect();
-    let target = json!({"domain": strip, "counts": {"element": 400}, "fixed": fixed});
+    let target = json!({"domain": strip, "counts": {"a": 400}, "fixed": fixed});
     let inputs = json!({"exemplar": hexagonal(), "target": target, "options": {"max_fails": 20}});
     let report = document(&app, "disk-synthesis", inputs, "report").await;
     let class = &report["classes"][0];

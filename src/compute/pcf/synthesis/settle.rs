@@ -31,9 +31,14 @@ const DRAWS: usize = 24;
 /// How many of them are tried.
 const TRIED: usize = 6;
 
-/// Places over or at the rim of parents that are tried for disks, parent classes in turn: where
-/// parents are small, places drawn anywhere seldom hit one.
+/// Places over or at the rim of parents that are tried for disks which keep their company, parent
+/// classes in turn: where parents are small, places drawn anywhere seldom hit one.
 const NEAR_PARENTS: usize = 20;
+
+/// Disks keep the company of parents when their curve is at least this where disks overlap or
+/// touch, root mean square over the pairs expected by chance (ours: nests have 2.7 and more,
+/// independent disks 1.3 and less).
+const COMPANY: f64 = 2.0;
 
 /// Of so many parents drawn the one with the fewest elements of the class over it is taken.
 const SUITORS: usize = 8;
@@ -42,7 +47,7 @@ const SUITORS: usize = 8;
 const MOST_AT_ONCE: usize = 16;
 
 /// Of this many elements one is looked at at one time, so that what is found mostly still holds.
-const ELEMENTS_EACH: usize = 32;
+const ELEMENTS_EACH: usize = 12;
 
 /// What a round of settling did.
 #[derive(Debug, Clone, Copy)]
@@ -65,11 +70,12 @@ pub(super) fn settle(
     let mut order: Vec<usize> = (0..patch.places.len()).collect();
     random.shuffle(&mut order);
     let mut settling = Settling::new(patch, (individuals, scales), bearable);
+    let hosts = hosts(patch);
     let (mut moved, mut burdens) = (0, Vec::new());
     for batch in order.chunks((order.len() / ELEMENTS_EACH).clamp(1, MOST_AT_ONCE)) {
         run.check()?;
         let choices: Vec<(usize, Choices)> =
-            batch.iter().map(|i| (*i, choices((patch, &settling.filling), *i, &mut random))).collect();
+            batch.iter().map(|i| (*i, choices((patch, &settling.filling, &hosts), *i, &mut random))).collect();
         let wishes = settling.wishes(&choices);
         let mut moved_here = 0;
         for ((i, choices), wish) in choices.iter().zip(&wishes).filter(|(_, wish)| wish.is_to_move) {
@@ -101,7 +107,7 @@ impl Choices {
 }
 
 /// Places to try for element `i`.
-fn choices((patch, filling): (&Patch<'_>, &Filling), i: usize, random: &mut Stream) -> Choices {
+fn choices((patch, filling, hosts): (&Patch<'_>, &Filling, &[usize]), i: usize, random: &mut Stream) -> Choices {
     let old = patch.places[i];
     let step = |length: &f64| {
         let offset = Point::new(random.normal(), random.normal()) * (length * patch.scene.unit);
@@ -115,17 +121,31 @@ fn choices((patch, filling): (&Patch<'_>, &Filling), i: usize, random: &mut Stre
         return Choices { near: choices, anywhere: Vec::new() };
     }
     let anywhere = (0..DRAWS).filter_map(|_| patch.sampler.draw(patch.block, random)).collect();
-    if patch.scene.metric == Metric::Disk {
-        choices.extend((0..NEAR_PARENTS).filter_map(|k| near_parent((patch, filling), (i, k), random)));
-    }
+    let visits = hosts.iter().cycle().take(NEAR_PARENTS);
+    choices.extend(visits.filter_map(|v| near_parent((patch, filling), (i, *v), random)));
     Choices { near: choices, anywhere }
 }
 
-/// A place over or at the rim of a parent drawn from one class in turn, its distance uniform, as
-/// the axis is linear in it. The parent is the loneliest of a few: where each is to have its own
+/// The views of parent classes whose company disks of the class keep.
+fn hosts(patch: &Patch<'_>) -> Vec<usize> {
+    let scene = patch.scene;
+    if scene.metric != Metric::Disk {
+        return Vec::new();
+    }
+    let over = (DISJOINT / scene.axis.step) as usize;
+    let company = |v: &usize| {
+        let view = &scene.views[*v];
+        let near = || view.target.mean.iter().zip(&view.mass).take(over);
+        let squares: f64 = near().map(|(mean, mass)| mean * mean * mass).sum();
+        squares >= COMPANY * COMPANY * near().map(|(_, mass)| mass).sum::<f64>()
+    };
+    (1..scene.views.len()).filter(company).collect()
+}
+
+/// A place over or at the rim of a parent of view `v`, its distance uniform, as the axis is linear
+/// in it. The parent is the loneliest of a few: where each is to have its own
 /// company, the ones without are few in the end, and seldom drawn.
-fn near_parent((patch, filling): (&Patch<'_>, &Filling), (i, k): (usize, usize), random: &mut Stream) -> Option<Point> {
-    let v = 1 + k % (patch.scene.views.len() - 1).max(1);
+fn near_parent((patch, filling): (&Patch<'_>, &Filling), (i, v): (usize, usize), random: &mut Stream) -> Option<Point> {
     let parents = patch.scene.views.get(v)?.partners.list();
     let axis = patch.scene.rows.axis();
     let over = axis.start..axis.end.min(axis.start + (DISJOINT / patch.scene.sparse.axis.step) as usize);
