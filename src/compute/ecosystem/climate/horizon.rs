@@ -119,7 +119,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// The code of every cell. Line `k` passes through the cells (row, k + whole[row]), so each
+    /// The code of every cell. Line `k` passes through the cells `(row, k + whole[row])`, so each
     /// cell lies on one line.
     fn codes(&self, run: &Run) -> Result<Vec<u8>, Stopped> {
         let mut codes = vec![0; self.data.len()];
