@@ -20,6 +20,7 @@
 
 use crate::codec::blocks;
 use crate::codec::blocks::Number;
+use crate::compute::run::Run;
 
 /// Why bytes could not be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -69,12 +70,19 @@ impl From<blocks::Error> for Error {
 #[derive(Debug)]
 pub struct Writer {
     bytes: Vec<u8>,
+    run: Run,
 }
 
 impl Writer {
     /// A value of the kind named by four letters, in this version of its form.
     pub fn new(kind: [u8; 4], version: u16) -> Self {
-        let mut writer = Self { bytes: kind.to_vec() };
+        Self::for_run(kind, version, &Run::silent())
+    }
+
+    /// Like [`Writer::new`], as a part of `run`: once that is stopped, no more numbers are packed,
+    /// and what has been written is to be thrown away.
+    pub fn for_run(kind: [u8; 4], version: u16, run: &Run) -> Self {
+        let mut writer = Self { bytes: kind.to_vec(), run: run.clone() };
         writer.u16(version);
         writer
     }
@@ -126,7 +134,9 @@ impl Writer {
 
     fn packed<T: Number>(&mut self, values: &[T]) -> &mut Self {
         self.u64(values.len() as u64);
-        blocks::pack(values, &mut self.bytes);
+        if !self.run.is_stopped() {
+            blocks::pack(values, &mut self.bytes);
+        }
         self
     }
 }
@@ -244,6 +254,17 @@ numbers! { u8 u8s u16 u16s u32 u32s u64 u64s f32 f32s f64 f64s }
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compute::run::StopFlag;
+
+    #[test]
+    fn a_stopped_run_packs_no_more_numbers() {
+        let flag = StopFlag::default();
+        let mut w = Writer::for_run(*b"STOP", 1, &Run::stoppable(flag.clone()));
+        let numbers: Vec<u32> = (0..100_000_u32).map(|i| i.wrapping_mul(2_654_435_761) >> 7).collect();
+        let packed = w.u32s(&numbers).bytes.len();
+        flag.stop();
+        assert!(w.u32s(&numbers).bytes.len() < packed + 16);
+    }
     use proptest::prelude::*;
 
     fn sample() -> Vec<u8> {

@@ -1,6 +1,8 @@
 //! What a job is handed when it runs.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::collections::VecDeque;
 
 use biotope_api::warning::Warning;
 use bytes::Bytes;
@@ -17,6 +19,7 @@ use crate::jobs::sources::Sources;
 use crate::storage::BlockingStore;
 use crate::storage::Digest;
 use crate::storage::Key;
+use crate::storage::Writing;
 
 /// What a job is handed when it runs: everything it may know of the world.
 pub struct JobContext<'a> {
@@ -28,7 +31,13 @@ pub struct JobContext<'a> {
     store: &'a BlockingStore,
     selection: Selection,
     kept: Kept,
+    /// The stages that are being stored while the job goes on, oldest first, with their sizes.
+    writing: RefCell<VecDeque<(usize, Writing)>>,
 }
+
+/// Bytes of stages that may wait for the disk while the job goes on (ours: small stages never hold
+/// it up, of large ones one waits at a time).
+const MAX_WAITING_BYTES: usize = 64 << 20;
 
 /// What a job has handed back so far.
 #[derive(Debug, Clone, Default)]
@@ -84,7 +93,7 @@ impl Stage {
 impl<'a> JobContext<'a> {
     /// A context that stores in `store` what `selection` wants.
     pub fn new(run: Run, seed: u64, selection: Selection, store: &'a BlockingStore, sources: &'a dyn Sources) -> Self {
-        Self { run, seed, sources, store, selection, kept: Kept::default() }
+        Self { run, seed, sources, store, selection, kept: Kept::default(), writing: RefCell::default() }
     }
 
     /// What stands behind references.
@@ -134,11 +143,11 @@ impl<'a> JobContext<'a> {
     }
 
     /// The result of a stage: the stored one when the stage has run before with the same inputs,
-    /// in this job or any other; otherwise `work` is done and stored. Warnings belong in the
-    /// bytes, since `work` may not run.
+    /// in this job or any other; otherwise `work` is done and stored, which goes on while the job
+    /// does. Warnings belong in the bytes, since `work` may not run.
     ///
     /// # Errors
-    /// Those of `work`, or when the store fails.
+    /// Those of `work`, or when the store fails, at this stage or at the one before.
     pub fn memo(&self, stage: Stage, work: impl FnOnce() -> Result<Bytes, Failure>) -> Result<Bytes, Failure> {
         let key = Key::Stage(stage.digest());
         if let Some(bytes) = self.store.find(&key)? {
@@ -146,8 +155,21 @@ impl<'a> JobContext<'a> {
         }
         self.run.check()?;
         let bytes = work()?;
-        self.store.put(&key, bytes.clone())?;
+        self.written_but(MAX_WAITING_BYTES.saturating_sub(bytes.len()))?;
+        let writing = self.store.begin_put(key, bytes.clone());
+        self.writing.borrow_mut().push_back((bytes.len(), writing));
         Ok(bytes)
+    }
+
+    /// Waits until at most `left` bytes of stages are yet to be stored.
+    fn written_but(&self, left: usize) -> Result<(), Failure> {
+        let mut writing = self.writing.borrow_mut();
+        while writing.iter().map(|(bytes, _)| bytes).sum::<usize>() > left {
+            if let Some((_, oldest)) = writing.pop_front() {
+                oldest.finish()?;
+            }
+        }
+        Ok(())
     }
 
     /// What has been handed back so far.
@@ -155,9 +177,13 @@ impl<'a> JobContext<'a> {
         &self.kept
     }
 
-    /// What has been handed back; the context is used up.
-    pub fn finish(self) -> Kept {
-        self.kept
+    /// What has been handed back, once every stage is stored; the context is used up.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn finish(self) -> Result<Kept, Failure> {
+        self.writing.into_inner().into_iter().try_for_each(|(_, writing)| writing.finish())?;
+        Ok(self.kept)
     }
 
     fn store_artefact(&self, artefact: &Artefact) -> Result<Stored, Failure> {

@@ -95,7 +95,7 @@ pub fn perform(entry: &Entry, execute: &Execute, desk: Desk<'_>, begun: &dyn Fn(
     context.put("warnings", warnings)?;
     let manifest = manifest(entry, seed, recorder.settle(parameters), context.kept());
     context.put("manifest", Artefact::Json(manifest))?;
-    Ok(context.finish())
+    context.finish()
 }
 
 /// Runs `work`; a panic in it becomes a fault.

@@ -2,6 +2,7 @@ use std::future::Future;
 
 use bytes::Bytes;
 use tokio::runtime::Handle;
+use tokio::task::JoinHandle;
 
 use crate::storage::Digest;
 use crate::storage::Key;
@@ -43,6 +44,13 @@ impl BlockingStore {
         self.wait(self.store.put(key, bytes))
     }
 
+    /// Begins a [`Store::put`] that goes on while other work is done.
+    pub fn begin_put(&self, key: Key, bytes: Bytes) -> Writing {
+        let store = self.store.clone();
+        let task = self.handle.spawn(async move { store.put(&key, bytes).await });
+        Writing { task, handle: self.handle.clone() }
+    }
+
     /// See [`Store::get`].
     ///
     /// # Errors
@@ -66,5 +74,26 @@ impl BlockingStore {
     /// Waits for a future of the store's runtime.
     pub fn wait<T>(&self, future: impl Future<Output = T>) -> T {
         self.handle.block_on(future)
+    }
+}
+
+/// A write that was begun. It goes on when this is dropped; only [`Writing::finish`] tells how it
+/// ended.
+#[derive(Debug)]
+pub struct Writing {
+    task: JoinHandle<Result<(), StoreError>>,
+    handle: Handle,
+}
+
+impl Writing {
+    /// Waits for the end of the write. Panics where the write panicked.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn finish(self) -> Result<(), StoreError> {
+        match self.handle.block_on(self.task) {
+            Ok(done) => done,
+            Err(broken) => std::panic::resume_unwind(broken.into_panic()),
+        }
     }
 }

@@ -12,6 +12,7 @@ mod lock;
 mod store;
 
 pub use blocking::BlockingStore;
+pub use blocking::Writing;
 pub use digest::Digest;
 pub use digest::Hasher;
 pub use error::StoreError;

@@ -23,6 +23,7 @@ fn run(folder: &Path, stage: Stage, result: Result<&'static str, Failure>) -> (R
         count.set(count.get() + 1);
         result.map(Bytes::from)
     });
+    context.finish().unwrap();
     (bytes, count.get())
 }
 

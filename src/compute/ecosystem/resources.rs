@@ -135,15 +135,20 @@ impl Resources {
         run: &Run,
     ) -> Result<Self, ResourceError> {
         given.check(terrain.grid().len())?;
-        let (min, max) = (given.temperature_min_c, given.temperature_max_c);
-        let warmth = || temperature(&terrain.height, climate);
+        let (temperature_min_c, temperature_max_c) = match (given.temperature_min_c, given.temperature_max_c) {
+            (Some(min), Some(max)) => (min, max),
+            (min, max) => {
+                let ours = temperature(&terrain.height, climate);
+                (min.unwrap_or(ours.min_c), max.unwrap_or(ours.max_c))
+            }
+        };
         let soil = match given.soil {
             Some(map) => map,
             None => soil::soil(terrain, water, &rules.soil, run)?,
         };
         Ok(Self {
-            temperature_min_c: min.unwrap_or_else(|| warmth().min_c),
-            temperature_max_c: max.unwrap_or_else(|| warmth().max_c),
+            temperature_min_c,
+            temperature_max_c,
             sunlight: match given.sunlight {
                 Some(map) => map,
                 None => sunlight(terrain, climate, rules.sunlight, run)?,

@@ -15,6 +15,7 @@ use crate::compute::raster::compass::Compass;
 use crate::compute::raster::compass::LENGTHS;
 use crate::compute::run::Run;
 use crate::compute::run::Stopped;
+use rayon::prelude::*;
 
 /// How the soil is estimated. Slopes are rise over run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +78,7 @@ pub fn soil(terrain: &Terrain, water: &Water, rules: &SoilRules, run: &Run) -> R
             Soil::Limestone
         }
     };
-    let data = (0..terrain.grid().len()).map(|cell| kind(cell) as u8).collect();
+    let data = (0..terrain.grid().len()).into_par_iter().map(|cell| kind(cell) as u8).collect();
     Ok(Raster { grid: terrain.grid(), data })
 }
 
@@ -93,7 +94,7 @@ pub fn texture(terrain: &Terrain, soil: &Raster<u8>, rules: &SoilRules) -> Raste
             rules.texture[usize::from(*code).min(Soil::ALL.len()) % Soil::ALL.len()]
         }
     };
-    Raster { grid: soil.grid, data: terrain.slope.data.iter().zip(&soil.data).map(value).collect() }
+    Raster { grid: soil.grid, data: terrain.slope.data.par_iter().zip(&soil.data).map(value).collect() }
 }
 
 /// Buckets of the queue (ours).
@@ -131,7 +132,7 @@ fn rock_fall(terrain: &Terrain, rules: &SoilRules, run: &Run) -> Result<Vec<bool
             }
         });
     }
-    Ok(line.iter().zip(height).map(|(line, height)| line > height).collect())
+    Ok(line.par_iter().zip(height).map(|(line, height)| line > height).collect())
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
 use crate::compute::geometry::Point;
+use rayon::prelude::*;
 
 /// A cell as (column from the west, row from the north).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -120,10 +121,16 @@ impl<T: Copy> Raster<T> {
     }
 
     /// A map of `f` of every value.
-    pub fn map<U>(&self, f: impl Fn(T) -> U) -> Raster<U> {
-        Raster { grid: self.grid, data: self.data.iter().map(|v| f(*v)).collect() }
+    pub fn map<U: Send>(&self, f: impl Fn(T) -> U + Sync) -> Raster<U>
+    where
+        T: Sync,
+    {
+        Raster { grid: self.grid, data: self.data.par_iter().with_min_len(MIN_CELLS).map(|v| f(*v)).collect() }
     }
 }
+
+/// Cells of a map that are worth a thread of their own (ours).
+const MIN_CELLS: usize = 4096;
 
 impl Raster<f32> {
     /// Bilinear interpolation between the four cell centres around `p`, clamped at the border;

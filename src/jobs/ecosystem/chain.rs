@@ -18,6 +18,7 @@ use crate::compute::ecosystem::flora::Flora;
 use crate::compute::ecosystem::flora::FloraError;
 use crate::compute::ecosystem::flora::FloraOptions;
 use crate::compute::ecosystem::flora::Painted;
+use crate::compute::ecosystem::flora::Total;
 use crate::compute::ecosystem::habitat::Habitat;
 use crate::compute::ecosystem::planning;
 use crate::compute::ecosystem::planning::Conflict;
@@ -77,6 +78,16 @@ pub struct Vegetation {
     /// How much of each grows where.
     pub grown: Grown,
     digest: Digest,
+}
+
+/// The plants once trails are worn.
+pub struct Trodden {
+    /// How much of each grows beside the trails.
+    pub flora: Flora,
+    /// What there was of each before.
+    pub before: Vec<Total>,
+    /// What painting did, by plant.
+    pub painted: Vec<(usize, Painted)>,
 }
 
 /// Where each animal can go.
@@ -139,7 +150,7 @@ impl Chain {
         let inputs = &request.inputs;
         let parameters = (&inputs.climate, inputs.competition.scales, request.climate.latitude_deg);
         let inputs = digest(&[&land.digest, &request.digests.maps], &parameters)?;
-        let key = Stage { name: "climate", version: 2, inputs };
+        let key = Stage { name: "climate", version: 3, inputs };
         let resources = stage(context, key, || {
             let rules = ResourceRules { scales: request.scales, ..ResourceRules::default() };
             let ground = (&land.terrain, &land.water);
@@ -245,17 +256,19 @@ impl Chain {
         Ok(Stage { name: "trails", version: 4, inputs: digest(&[&wildlife.digest], &parameters)? })
     }
 
-    /// What grows beside the trails: the plants under them are removed (L 6.1). Not stored: one
-    /// pass over the maps.
+    /// What grows beside the trails: the plants under them are removed (L 6.1), in the maps of
+    /// the plants themselves, which nothing needs as they were. Not stored: one pass.
     pub fn beside_trails(
         context: &JobContext<'_>,
         request: &Request,
-        (climate, plants): (&ClimateMaps, &Vegetation),
+        (climate, plants): (&ClimateMaps, Vegetation),
         trails: &Trails,
-    ) -> Result<Flora, Failure> {
-        let (ground, options) = ((&climate.resources, &plants.fitness), flora_options(context, request));
-        let worn = (plants.grown.flora.clone(), &trails.worn);
-        flora::clear(&context.run, &request.plants.species, ground, worn, &options).map_err(flora_failure)
+    ) -> Result<Trodden, Failure> {
+        let Vegetation { fitness, grown: Grown { flora, painted }, .. } = plants;
+        let (ground, options) = ((&climate.resources, &fitness), flora_options(context, request));
+        let (before, worn) = (flora.totals.clone(), (flora, &trails.worn));
+        let flora = flora::clear(&context.run, &request.plants.species, ground, worn, &options);
+        Ok(Trodden { flora: flora.map_err(flora_failure)?, before, painted })
     }
 
     /// Stage 8: what each herd does all day, on the trails where these lead.

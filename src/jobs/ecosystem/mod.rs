@@ -173,16 +173,16 @@ impl Job for EcosystemJob {
         let trails = Chain::trails(context, &request, &roads, &wildlife)?;
         maps(context, &request).trails(&land.terrain, &trails)?;
         life::trail_lines(context, &request, &trails)?;
-        let left = Chain::beside_trails(context, &request, (&climate, &plants), &trails)?;
-        maps(context, &request).plants(&request, &left)?;
+        let left = Chain::beside_trails(context, &request, (&climate, plants), &trails)?;
+        maps(context, &request).plants(&request, &left.flora)?;
         // 8. What each herd does all day.
         let days = Chain::plannings(context, &request, (&land, &roads), (&wildlife, &trails))?;
         life::herds(context, &request, &days.plannings.herds)?;
         life::plannings(context, &request, &wildlife, &days)?;
         // 9. What the experts look at.
-        maps(context, &request).biomes(&request, &left)?;
-        report::biomes(context, &request, &left)?;
-        report::summary(context, &request, (&plants, &left), (&country, &wildlife, &days))
+        maps(context, &request).biomes(&request, &left.flora)?;
+        report::biomes(context, &request, &left.flora)?;
+        report::summary(context, &request, &left, (&country, &wildlife, &days))
     }
 }
 

@@ -27,8 +27,7 @@ use crate::jobs::JobContext;
 use crate::jobs::Table;
 use crate::jobs::ecosystem::chain::Country;
 use crate::jobs::ecosystem::chain::Days;
-use crate::jobs::ecosystem::chain::Grown;
-use crate::jobs::ecosystem::chain::Vegetation;
+use crate::jobs::ecosystem::chain::Trodden;
 use crate::jobs::ecosystem::chain::Wildlife;
 use crate::jobs::ecosystem::library;
 use crate::jobs::ecosystem::life;
@@ -100,6 +99,9 @@ pub fn absence(reason: &Absence) -> String {
 
 /// Area and densest places of each biome.
 pub fn biomes(context: &mut JobContext<'_>, request: &Request, flora: &Flora) -> Result<(), Failure> {
+    if !context.wants("biomes") {
+        return Ok(());
+    }
     let Biomes { names, of } = &request.biomes;
     let cell_m2 = request.grid().cell_area_m2();
     let dominant = biomes::dominant(flora, of);
@@ -119,11 +121,11 @@ pub fn biomes(context: &mut JobContext<'_>, request: &Request, flora: &Flora) ->
 pub fn summary(
     context: &mut JobContext<'_>,
     request: &Request,
-    (grown, left): (&Vegetation, &Flora),
+    left: &Trodden,
     (country, wildlife, days): (&Country, &Wildlife, &Days),
 ) -> Result<(), Failure> {
-    painted(context, request, &grown.grown);
-    let plants = plants(context, request, (&grown.grown.flora, left), &wildlife.population);
+    painted(context, request, left);
+    let plants = plants(context, request, left, &wildlife.population);
     let animals = animals(context, request, &country.regions, &wildlife.population);
     let biomass = biomass(context, request, &wildlife.population);
     way_points(context, request, &country.regions);
@@ -140,8 +142,8 @@ pub fn summary(
     context.put("summary", Artefact::Json(summary))
 }
 
-fn painted(context: &mut JobContext<'_>, request: &Request, grown: &Grown) {
-    for (s, painted) in &grown.painted {
+fn painted(context: &mut JobContext<'_>, request: &Request, left: &Trodden) {
+    for (s, painted) in &left.painted {
         let Some(short) = &painted.shortfall else { continue };
         let place = request.grid().centre(short.worst_cell);
         let message = format!(
@@ -162,10 +164,10 @@ fn painted(context: &mut JobContext<'_>, request: &Request, grown: &Grown) {
 fn plants(
     context: &mut JobContext<'_>,
     request: &Request,
-    (flora, left): (&Flora, &Flora),
+    Trodden { flora, before, .. }: &Trodden,
     population: &Population,
 ) -> Vec<Value> {
-    let all: f64 = flora.totals.iter().map(|t| t.cover_m2).sum();
+    let all: f64 = before.iter().map(|t| t.cover_m2).sum();
     let row = |(s, total): (usize, &Total)| {
         let plant = &request.plants.species[s];
         let why = total.why_empty.as_ref().map(absence);
@@ -177,7 +179,7 @@ fn plants(
             "species": plant.name,
             "slug": slug(&plant.name),
             "cover_m2": total.cover_m2,
-            "cover_beside_trails_m2": left.totals[s].cover_m2,
+            "cover_beside_trails_m2": flora.totals[s].cover_m2,
             "cells": total.cells,
             "proportion_asked": flora.reached.as_ref().map(|r| r.asked[s]),
             "proportion_reached": if all > 0.0 { total.cover_m2 / all } else { 0.0 },
@@ -187,7 +189,7 @@ fn plants(
             "why_empty": why,
         })
     };
-    flora.totals.iter().enumerate().map(row).collect()
+    before.iter().enumerate().map(row).collect()
 }
 
 /// What grew of a food where animals go, and what was eaten of it, kg a year.

@@ -77,8 +77,9 @@ pub fn stage<T: Stored>(
     let mut fresh = None;
     let bytes = context.memo(stage, || {
         let value = work()?;
-        let mut w = Writer::new(T::KIND, VERSION);
+        let mut w = Writer::for_run(T::KIND, VERSION, &context.run);
         value.write(&mut w);
+        context.run.check()?;
         fresh = Some(value);
         Ok(Bytes::from(w.finish()))
     })?;
