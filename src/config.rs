@@ -50,6 +50,12 @@ pub struct Work {
     /// Disk that results of stages and encoded forms may take, in GiB; the oldest are dropped.
     #[arg(long, env = "BIOTOPE_CACHE_GIB", default_value_t = 20)]
     pub cache_gib: u64,
+    /// Days that ended jobs with their results, and uploads nobody uses, are kept.
+    #[arg(long, env = "BIOTOPE_KEEP_DAYS", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=36_500))]
+    pub keep_days: u32,
+    /// Disk that results may take, in GiB; the jobs that ended first are forgotten.
+    #[arg(long, env = "BIOTOPE_RESULTS_GIB", default_value_t = 100)]
+    pub results_gib: u64,
 }
 
 /// What a request may be.
@@ -99,6 +105,8 @@ impl Work {
             memory_bytes: self.memory_mib.map_or_else(usable_memory, |mib| mib << 20),
             waiting_jobs: self.queue,
             cache_bytes: self.cache_gib << 30,
+            keep: Duration::from_secs(u64::from(self.keep_days) * 24 * 3600),
+            results_bytes: self.results_gib << 30,
         }
     }
 }

@@ -246,6 +246,7 @@ async fn view(app: &App, row: &Row, id: &str, stored: &Stored) -> Result<pages::
         text: known.map_or_else(String::new, |output| output.text.to_owned()),
         href: format!("{}/results/{id}", path_of(row)),
         size: stored.size,
+        blank: stored.blank,
         kind: stored.kind.clone(),
         artefact: if shown { Some(app.jobs.artefact(stored).await?) } else { None },
     })

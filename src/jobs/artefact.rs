@@ -169,6 +169,11 @@ impl Artefact {
         }
     }
 
+    /// Whether it is a map that is 0 or without data everywhere.
+    pub fn is_blank(&self) -> bool {
+        matches!(self, Self::Map(map) if map.is_blank())
+    }
+
     /// The one form it is stored in.
     ///
     /// # Errors

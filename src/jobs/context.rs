@@ -20,6 +20,7 @@ use crate::storage::BlockingStore;
 use crate::storage::Digest;
 use crate::storage::Key;
 use crate::storage::Writing;
+use crate::storage::Pin;
 
 /// What a job is handed when it runs: everything it may know of the world.
 pub struct JobContext<'a> {
@@ -48,6 +49,8 @@ pub struct Kept {
     pub warnings: Vec<Warning>,
     /// Where numbers come from.
     pub citations: Vec<Citation>,
+    /// Holds the outputs until a row names them.
+    pins: Vec<Pin>,
 }
 
 /// An output as it is stored.
@@ -60,6 +63,14 @@ pub struct Stored {
     pub digest: String,
     /// Size of its stored form in bytes.
     pub size: u64,
+    /// Whether it is a map that is 0 or without data everywhere.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub blank: bool,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+const fn is_false(value: &bool) -> bool {
+    !*value
 }
 
 /// Where a number comes from.
@@ -87,6 +98,13 @@ impl Stage {
     pub fn digest(&self) -> Digest {
         let Self { name, version, inputs } = self;
         Hasher::new().part(name, format!("{version} {inputs}").as_bytes()).finish()
+    }
+}
+
+impl Kept {
+    /// What holds the outputs until a row names them.
+    pub fn take_pins(&mut self) -> Vec<Pin> {
+        std::mem::take(&mut self.pins)
     }
 }
 
@@ -186,10 +204,12 @@ impl<'a> JobContext<'a> {
         Ok(self.kept)
     }
 
-    fn store_artefact(&self, artefact: &Artefact) -> Result<Stored, Failure> {
+    fn store_artefact(&mut self, artefact: &Artefact) -> Result<Stored, Failure> {
         let bytes = artefact.to_stored().map_err(Failure::fault)?;
         let size = bytes.len() as u64;
-        let digest = self.store.put_blob(bytes)?.to_string();
-        Ok(Stored { kind: artefact.kind(), digest, size })
+        let pin = self.store.put_blob(bytes)?;
+        let digest = pin.digest().to_string();
+        self.kept.pins.push(pin);
+        Ok(Stored { kind: artefact.kind(), digest, size, blank: artefact.is_blank() })
     }
 }

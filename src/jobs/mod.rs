@@ -28,6 +28,7 @@ pub mod given;
 pub mod herd_animation;
 pub mod herd_extraction;
 mod herds;
+pub mod housekeeping;
 pub mod invalid;
 pub mod job;
 pub mod key_herd;

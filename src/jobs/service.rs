@@ -18,6 +18,7 @@ use tokio::sync::Semaphore;
 use tokio::sync::watch;
 use tokio::time::Instant;
 
+use crate::jobs::housekeeping;
 use crate::jobs::places::Places;
 use crate::jobs::progress::Live;
 use crate::jobs::queue::Counts;
@@ -86,6 +87,8 @@ pub(super) struct Inner {
     pub places: Mutex<Places>,
     /// Rung when a job waits or a place is free.
     pub bell: Notify,
+    /// Rung when a job has left something behind that nobody names.
+    pub broom: Arc<Notify>,
     /// Counts changes of state of any job.
     pub changes: watch::Sender<u64>,
     pub draining: AtomicBool,
@@ -137,6 +140,7 @@ impl Jobs {
             live: Mutex::default(),
             places: Mutex::default(),
             bell: Notify::new(),
+            broom: Arc::default(),
             changes: watch::Sender::new(0),
             draining: AtomicBool::new(false),
             desk: desk.build().map_err(|error| JobsError::Threads(error.to_string()))?,
@@ -145,6 +149,7 @@ impl Jobs {
         };
         let jobs = Self(Arc::new(inner));
         worker::start(&jobs);
+        housekeeping::start(&jobs);
         Ok(jobs)
     }
 
@@ -214,6 +219,7 @@ impl Jobs {
         if let Some(live) = self.live(id) {
             live.stop.stop();
         }
+        self.0.broom.notify_one();
         self.0.changed();
         Ok(before)
     }

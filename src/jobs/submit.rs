@@ -60,9 +60,11 @@ impl Jobs {
         let bytes = Bytes::from(serde_json::to_vec(&task).map_err(JobsError::from)?);
         let estimate = self.check(task).await?;
         self.fits(estimate)?;
-        let task = self.0.store.put_blob(bytes).await.map_err(JobsError::from)?.to_string();
-        let new = NewRow { process: process.to_owned(), task, key, lane, memory_bytes: estimate.memory_bytes };
+        let task = self.0.store.put_blob(bytes).await.map_err(JobsError::from)?;
+        let digest = task.digest().to_string();
+        let new = NewRow { process: process.to_owned(), task: digest, key, lane, memory_bytes: estimate.memory_bytes };
         let added = self.0.queue.add(new, self.0.settings.waiting_jobs).await.map_err(JobsError::from)?;
+        drop(task);
         match added {
             Added::New(row) => {
                 metrics::counter!("biotope_jobs_accepted_total", "process" => row.process.clone()).increment(1);
@@ -124,8 +126,8 @@ impl Jobs {
     ) -> Result<(AssetRow, bool), Result<E, JobsError>> {
         let ours = |error: StoreError| Err(JobsError::from(error));
         let stored = self.0.store.put_stream(bytes).await;
-        let (digest, size) = stored.map_err(|error| error.map_or_else(ours, Ok))?;
-        let asset = AssetRow { digest: digest.to_string(), media_type, size };
+        let (pin, size) = stored.map_err(|error| error.map_or_else(ours, Ok))?;
+        let asset = AssetRow { digest: pin.digest().to_string(), media_type, size };
         let added = self.0.queue.add_asset(asset.clone()).await.map_err(|error| Err(JobsError::from(error)))?;
         if added {
             return Ok((asset, true));

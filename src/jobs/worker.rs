@@ -74,6 +74,9 @@ fn launch(inner: &Arc<Inner>, lane: Lane, row: Row) {
     let (shared, claimed, handle) = (Arc::clone(inner), row.clone(), Handle::current());
     let begun = std::thread::Builder::new().name("job".to_owned()).spawn(move || {
         work(&shared, &claimed, &live, &handle);
+        if live.stop.is_stopped() {
+            shared.broom.notify_one();
+        }
         leave(&shared, lane, &claimed);
         trim(&shared, &handle);
     });
@@ -107,7 +110,9 @@ fn work(inner: &Inner, row: &Row, live: &Arc<Live>, handle: &Handle) {
         Ok(Some(now)) if now.state == JobState::Running => {}
         _ => live.stop.stop(),
     }
-    let result = run(inner, row, live, handle);
+    let mut result = run(inner, row, live, handle);
+    // The outputs are held until the row names them, or nobody ever will.
+    let pins = result.as_mut().ok().map(Kept::take_pins);
     let stopped = matches!(result, Err(Failure::Stopped));
     let duration_ms = u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX);
     tracing::info!(job = %row.id, process = row.process, duration_ms, stopped, "job ends");
@@ -123,6 +128,7 @@ fn work(inner: &Inner, row: &Row, live: &Arc<Live>, handle: &Handle) {
     {
         tracing::error!(job = %row.id, %error, "a stopped job could not be put back; it runs again at the next start");
     }
+    drop(pins);
 }
 
 fn run(inner: &Inner, row: &Row, live: &Arc<Live>, handle: &Handle) -> Result<Kept, Failure> {
@@ -154,7 +160,7 @@ fn outcome(row: &Row, result: Result<Kept, Failure>) -> Option<Outcome> {
 }
 
 /// Writes the end of a job down. A fence that is no longer ours means that the job was dismissed
-/// or belongs to another worker: what was stored for it is left unnamed, and nobody sees it.
+/// or belongs to another worker: what was stored for it is left unnamed, and swept away.
 fn finish(inner: &Inner, row: &Row, handle: &Handle, outcome: &Outcome) {
     for attempt in 1..=FINISH_TRIES {
         match handle.block_on(inner.queue.finish(row.id, row.fence, outcome)) {

@@ -4,8 +4,8 @@ use bytes::Bytes;
 use tokio::runtime::Handle;
 use tokio::task::JoinHandle;
 
-use crate::storage::Digest;
 use crate::storage::Key;
+use crate::storage::Pin;
 use crate::storage::Store;
 use crate::storage::StoreError;
 
@@ -32,7 +32,7 @@ impl BlockingStore {
     ///
     /// # Errors
     /// As there.
-    pub fn put_blob(&self, bytes: Bytes) -> Result<Digest, StoreError> {
+    pub fn put_blob(&self, bytes: Bytes) -> Result<Pin, StoreError> {
         self.wait(self.store.put_blob(bytes))
     }
 

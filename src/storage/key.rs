@@ -17,15 +17,19 @@ pub enum Key {
 }
 
 impl Key {
+    /// The folder of blobs.
+    pub(super) const BLOBS: &'static str = "blobs";
+    /// The folder of bytes on their way to a blob.
+    pub(super) const UPLOADS: &'static str = "uploads";
     /// The folders of what can be made again.
     pub(super) const REMAKEABLE: [&'static str; 2] = ["stages", "encoded"];
 
     /// The path of the key in the store.
     pub fn path(&self) -> Path {
         match self {
-            Self::Blob(digest) => sharded("blobs", digest, ""),
+            Self::Blob(digest) => sharded(Self::BLOBS, digest, ""),
             Self::Stage(digest) => sharded("stages", digest, ""),
-            Self::Upload(id) => Path::from(format!("uploads/{id}")),
+            Self::Upload(id) => Path::from(format!("{}/{id}", Self::UPLOADS)),
             Self::Encoded(digest, extension) => sharded("encoded", digest, extension),
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! Everything is written whole or not at all: a write goes to a temporary place, reaches the
 //! disk, and is then published under its key. Contents are named by their digest, so the same
-//! bytes are stored once and a published key never changes.
+//! bytes are stored once and a published key never changes. A sweep removes what nobody names.
 
 mod blocking;
 mod digest;
@@ -10,6 +10,7 @@ mod error;
 mod key;
 mod lock;
 mod store;
+mod sweep;
 
 pub use blocking::BlockingStore;
 pub use blocking::Writing;
@@ -19,3 +20,5 @@ pub use error::StoreError;
 pub use key::Key;
 pub use lock::FolderLock;
 pub use store::Store;
+pub use store::Sweep;
+pub use sweep::Pin;

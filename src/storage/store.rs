@@ -1,6 +1,10 @@
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path as FilePath;
+use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
+use std::time::SystemTime;
 
 use bytes::Bytes;
 use futures_util::Stream;
@@ -21,10 +25,21 @@ use uuid::Uuid;
 use crate::storage::Digest;
 use crate::storage::Key;
 use crate::storage::StoreError;
+use crate::storage::sweep::Pin;
+use crate::storage::sweep::Pins;
+use crate::storage::sweep::Watch;
+
+/// How much earlier than the clock says a file may seem to have been written.
+const CLOCK: Duration = Duration::from_millis(20);
 
 /// Bytes by key, in a local folder or in memory. Clones share one store.
 #[derive(Debug, Clone)]
-pub struct Store(Arc<dyn ObjectStore>);
+pub struct Store {
+    objects: Arc<dyn ObjectStore>,
+    pins: Arc<Pins>,
+    /// Where a local store lies, and when it was opened.
+    folder: Option<(PathBuf, SystemTime)>,
+}
 
 impl Store {
     /// A store in `folder`, which is made when absent. Writes reach the disk before they count.
@@ -35,25 +50,28 @@ impl Store {
         let refuse = |cause| StoreError::Folder { folder: folder.to_owned(), cause };
         std::fs::create_dir_all(folder).map_err(refuse)?;
         let local = LocalFileSystem::new_with_prefix(folder).map_err(|e| refuse(std::io::Error::other(e)))?;
-        Ok(Self(Arc::new(local.with_fsync(true))))
+        let folder = Some((folder.to_owned(), SystemTime::now() - CLOCK));
+        Ok(Self { objects: Arc::new(local.with_fsync(true)), pins: Arc::default(), folder })
     }
 
     /// A store in memory: for tests and for work without a server.
     pub fn in_memory() -> Self {
-        Self(Arc::new(InMemory::new()))
+        Self { objects: Arc::new(InMemory::new()), pins: Arc::default(), folder: None }
     }
 
     /// Stores `bytes` under their digest; bytes that are there already are not written again.
+    /// The blob is held until a row names it and the pin is dropped.
     ///
     /// # Errors
     /// When the store fails.
-    pub async fn put_blob(&self, bytes: Bytes) -> Result<Digest, StoreError> {
-        let digest = Digest::of(&bytes);
-        let key = Key::Blob(digest);
+    pub async fn put_blob(&self, bytes: Bytes) -> Result<Pin, StoreError> {
+        let pin = self.pins.hold(Digest::of(&bytes));
+        let _not_while_one_is_removed = self.pins.gate.read().await;
+        let key = Key::Blob(pin.digest());
         if !self.contains(&key).await? {
             self.put(&key, bytes).await?;
         }
-        Ok(digest)
+        Ok(pin)
     }
 
     /// Stores `bytes` under `key`, whole or not at all.
@@ -62,23 +80,23 @@ impl Store {
     /// When the store fails.
     pub async fn put(&self, key: &Key, bytes: Bytes) -> Result<(), StoreError> {
         let path = key.path();
-        let done = self.0.put(&path, PutPayload::from_bytes(bytes)).await;
+        let done = self.objects.put(&path, PutPayload::from_bytes(bytes)).await;
         done.map(drop).map_err(|cause| fault(key, cause))
     }
 
-    /// Stores a stream of bytes under their digest, without holding them all; returns the digest
-    /// and the size. A stream that fails leaves nothing behind.
+    /// Stores a stream of bytes under their digest, without holding them all; returns the blob,
+    /// held as by [`Store::put_blob`], and its size. A stream that fails leaves nothing behind.
     ///
     /// # Errors
     /// The stream's own error as `Err(Ok(_))`, the store's as `Err(Err(_))`.
     pub async fn put_stream<E>(
         &self,
         mut stream: impl Stream<Item = Result<Bytes, E>> + Unpin,
-    ) -> Result<(Digest, u64), Result<E, StoreError>> {
+    ) -> Result<(Pin, u64), Result<E, StoreError>> {
         let upload = Key::Upload(Uuid::new_v4());
         let backend = |cause| Err(fault(&upload, cause));
         let (mut hasher, mut size) = (Sha256::new(), 0);
-        let mut writer = BufWriter::new(Arc::clone(&self.0), upload.path());
+        let mut writer = BufWriter::new(Arc::clone(&self.objects), upload.path());
         while let Some(piece) = stream.next().await {
             let piece = match piece {
                 Ok(piece) => piece,
@@ -95,10 +113,11 @@ impl Store {
             .shutdown()
             .await
             .map_err(|error| backend(object_store::Error::Generic { store: "upload", source: error.into() }))?;
-        let digest = Digest::from_hasher(hasher);
-        let moved = self.0.rename(&upload.path(), &Key::Blob(digest).path()).await;
+        let pin = self.pins.hold(Digest::from_hasher(hasher));
+        let _not_while_one_is_removed = self.pins.gate.read().await;
+        let moved = self.objects.rename(&upload.path(), &Key::Blob(pin.digest()).path()).await;
         moved.map_err(backend)?;
-        Ok((digest, size))
+        Ok((pin, size))
     }
 
     /// The bytes under `key`.
@@ -106,7 +125,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`] when there are none; otherwise when the store fails.
     pub async fn get(&self, key: &Key) -> Result<Bytes, StoreError> {
-        let found = self.0.get(&key.path()).await.map_err(|cause| fault(key, cause))?;
+        let found = self.objects.get(&key.path()).await.map_err(|cause| fault(key, cause))?;
         found.bytes().await.map_err(|cause| fault(key, cause))
     }
 
@@ -115,7 +134,7 @@ impl Store {
     /// # Errors
     /// As [`Store::get`]; also when the range lies outside.
     pub async fn get_range(&self, key: &Key, range: Range<u64>) -> Result<Bytes, StoreError> {
-        self.0.get_range(&key.path(), range).await.map_err(|cause| fault(key, cause))
+        self.objects.get_range(&key.path(), range).await.map_err(|cause| fault(key, cause))
     }
 
     /// The number of bytes under `key`.
@@ -123,7 +142,7 @@ impl Store {
     /// # Errors
     /// As [`Store::get`].
     pub async fn size(&self, key: &Key) -> Result<u64, StoreError> {
-        self.0.head(&key.path()).await.map(|meta| meta.size).map_err(|cause| fault(key, cause))
+        self.objects.head(&key.path()).await.map(|meta| meta.size).map_err(|cause| fault(key, cause))
     }
 
     /// Whether anything stands under `key`.
@@ -148,7 +167,7 @@ impl Store {
         for folder in Key::REMAKEABLE {
             let prefix = Path::from(folder);
             let backend = |cause| StoreError::Backend { key: folder.to_owned(), cause };
-            found.extend(self.0.list(Some(&prefix)).try_collect::<Vec<_>>().await.map_err(backend)?);
+            found.extend(self.objects.list(Some(&prefix)).try_collect::<Vec<_>>().await.map_err(backend)?);
         }
         found.sort_by_key(|entry| std::cmp::Reverse(entry.last_modified));
         let mut kept = 0;
@@ -159,10 +178,30 @@ impl Store {
         let mut removed = 0;
         for entry in spare {
             let backend = |cause| StoreError::Backend { key: entry.location.to_string(), cause };
-            self.0.delete(&entry.location).await.map_err(backend)?;
+            self.objects.delete(&entry.location).await.map_err(backend)?;
             removed += 1;
         }
         Ok(removed)
+    }
+
+    /// Begins to sweep: what is stored from here on stays, whatever [`Sweep::keep_only`] is
+    /// told. `None` while another sweep is under way.
+    pub fn sweep(&self) -> Option<Sweep> {
+        self.pins.begin().map(|watch| Sweep { store: self.clone(), watch })
+    }
+
+    /// Removes what writes that a crash interrupted have left behind: unfinished files, and
+    /// uploads that were never named; returns how many were removed. The store must belong to
+    /// this process alone.
+    ///
+    /// # Errors
+    /// When the folder cannot be read.
+    pub async fn clear_remains(&self) -> Result<usize, StoreError> {
+        let Some((folder, opened)) = self.folder.clone() else { return Ok(0) };
+        let backend = |cause: std::io::Error| StoreError::Folder { folder: folder.clone(), cause };
+        let place = folder.clone();
+        let cleared = tokio::task::spawn_blocking(move || remove_remains(&place, opened, false)).await;
+        cleared.map_err(std::io::Error::other).and_then(|removed| removed).map_err(backend)
     }
 
     /// Removes what stands under `key`, if anything.
@@ -170,11 +209,59 @@ impl Store {
     /// # Errors
     /// When the store fails.
     pub async fn remove(&self, key: &Key) -> Result<(), StoreError> {
-        match self.0.delete(&key.path()).await.map_err(|cause| fault(key, cause)) {
+        match self.objects.delete(&key.path()).await.map_err(|cause| fault(key, cause)) {
             Err(StoreError::NotFound { .. }) => Ok(()),
             other => other,
         }
     }
+}
+
+/// A sweep under way.
+#[derive(Debug)]
+pub struct Sweep {
+    store: Store,
+    watch: Watch,
+}
+
+impl Sweep {
+    /// Removes every blob that is not `wanted` and was not stored since the sweep began; returns
+    /// how many, and their bytes. What is wanted must have been found out after it began.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub async fn keep_only(self, wanted: &BTreeSet<Digest>) -> Result<(usize, u64), StoreError> {
+        let folder = Path::from(Key::BLOBS);
+        let backend = |cause| StoreError::Backend { key: Key::BLOBS.to_owned(), cause };
+        let mut found = self.store.objects.list(Some(&folder));
+        let mut removed = (0, 0);
+        while let Some(entry) = found.try_next().await.map_err(backend)? {
+            let named = entry.location.filename().and_then(|hex| Digest::parse(&format!("sha256:{hex}")));
+            let Some(digest) = named.filter(|digest| !wanted.contains(digest)) else { continue };
+            let _not_while_one_is_stored = self.store.pins.gate.write().await;
+            if !self.watch.was_held(&digest) {
+                self.store.remove(&Key::Blob(digest)).await?;
+                removed = (removed.0 + 1, removed.1 + entry.size);
+            }
+        }
+        Ok(removed)
+    }
+}
+
+/// Removes unfinished files, `<name>#<number>`, and all files in the folder of uploads, that are
+/// older than `opened`.
+fn remove_remains(folder: &FilePath, opened: SystemTime, all: bool) -> std::io::Result<usize> {
+    let mut removed = 0;
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if entry.file_type()?.is_dir() {
+            removed += remove_remains(&entry.path(), opened, all || name == Key::UPLOADS)?;
+        } else if (all || name.contains('#')) && entry.metadata()?.modified()? < opened {
+            std::fs::remove_file(entry.path())?;
+            removed += 1;
+        }
+    }
+    Ok(removed)
 }
 
 fn fault(key: &Key, cause: object_store::Error) -> StoreError {
@@ -192,11 +279,11 @@ mod tests {
     #[tokio::test]
     async fn trimming_takes_the_oldest_of_what_can_be_made_again_and_nothing_else() {
         let store = Store::in_memory();
-        let blob = store.put_blob(Bytes::from_static(b"kept")).await.unwrap();
+        let blob = store.put_blob(Bytes::from_static(b"kept")).await.unwrap().digest();
         let keys: Vec<_> = [b"a", b"b", b"c"].map(|name| Key::Stage(Digest::of(name))).into();
         for key in &keys {
             store.put(key, Bytes::from_static(b"0123456789")).await.unwrap();
-            tokio::time::sleep(std::time::Duration::from_millis(2)).await;
+            tokio::time::sleep(Duration::from_millis(2)).await;
         }
         assert_eq!(store.trim(25).await.unwrap(), 1);
         assert!(!store.contains(&keys[0]).await.unwrap() && store.contains(&keys[2]).await.unwrap());
@@ -208,8 +295,8 @@ mod tests {
     async fn the_same_bytes_are_stored_once_and_read_back() {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::in_folder(folder.path()).unwrap();
-        let digest = store.put_blob(Bytes::from_static(b"reindeer")).await.unwrap();
-        assert_eq!(store.put_blob(Bytes::from_static(b"reindeer")).await.unwrap(), digest);
+        let digest = store.put_blob(Bytes::from_static(b"reindeer")).await.unwrap().digest();
+        assert_eq!(store.put_blob(Bytes::from_static(b"reindeer")).await.unwrap().digest(), digest);
         let key = Key::Blob(digest);
         assert_eq!(store.get(&key).await.unwrap(), "reindeer");
         assert_eq!(store.get_range(&key, 4..8).await.unwrap(), "deer");
@@ -217,5 +304,43 @@ mod tests {
         store.remove(&key).await.unwrap();
         store.remove(&key).await.unwrap();
         assert!(matches!(store.get(&key).await, Err(StoreError::NotFound { .. })));
+    }
+    #[tokio::test]
+    async fn a_sweep_takes_what_nobody_names_or_holds_and_nothing_that_comes_after_it_began() {
+        let store = Store::in_memory();
+        let put = async |text: &'static str| store.put_blob(Bytes::from_static(text.as_bytes())).await.unwrap();
+        let (named, forgotten, again) = (put("named").await.digest(), put("gone").await.digest(), put("again").await);
+        let held = put("held").await;
+        let again = again.digest();
+        let sweep = store.sweep().unwrap();
+        assert!(store.sweep().is_none(), "one at a time");
+        drop(put("again").await);
+        let late = put("late").await.digest();
+        let removed = sweep.keep_only(&BTreeSet::from([named])).await.unwrap();
+        assert_eq!(removed, (1, 4));
+        for (digest, stays) in [(named, true), (forgotten, false), (again, true), (held.digest(), true), (late, true)] {
+            assert_eq!(store.contains(&Key::Blob(digest)).await.unwrap(), stays);
+        }
+        drop(held);
+        let removed = store.sweep().unwrap().keep_only(&BTreeSet::from([named])).await.unwrap();
+        assert_eq!(removed.0, 3, "what was spared goes with the next sweep");
+    }
+
+    #[tokio::test]
+    async fn remains_of_interrupted_writes_go_and_those_under_way_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for place in ["uploads", "blobs/ab"] {
+            std::fs::create_dir_all(at(place)).unwrap();
+        }
+        for name in ["uploads/one", "uploads/two#1", "blobs/ab/cd#1", "blobs/ab/cd"] {
+            std::fs::write(at(name), "half").unwrap();
+        }
+        tokio::time::sleep(Duration::from_millis(30)).await;
+        let store = Store::in_folder(folder.path()).unwrap();
+        tokio::time::sleep(Duration::from_millis(30)).await;
+        std::fs::write(at("blobs/ab/ef#1"), "under way").unwrap();
+        assert_eq!(store.clear_remains().await.unwrap(), 3);
+        assert!(at("blobs/ab/cd").exists() && at("blobs/ab/ef#1").exists());
     }
 }

@@ -7,6 +7,7 @@ mod ecosystem_inputs;
 mod ecosystem_outcomes;
 mod herd_inputs;
 mod herd_outcomes;
+mod housekeeping;
 mod memo;
 mod queue;
 mod worker;

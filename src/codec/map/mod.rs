@@ -139,6 +139,12 @@ impl Map {
         Ok(Self { data, legend, georeference })
     }
 
+    /// Whether quantities or labels are 0 or without data everywhere; classes never are.
+    pub fn is_blank(&self) -> bool {
+        let nothing = |i: usize| self.data.value(i).is_none_or(|value| value == 0.0);
+        !matches!(self.legend.scale, Scale::Categories(_)) && (0..self.grid().len()).into_par_iter().all(nothing)
+    }
+
     /// Extremes, mean and number of cells without data. The mean is folded row by row, so it
     /// does not depend on the number of threads.
     pub fn statistics(&self) -> Statistics {
@@ -251,6 +257,19 @@ mod tests {
         let labels = MapData::U16(Raster { grid: Grid::new(2, 1, 1.0), data: vec![3, 65535] });
         let map = Map { data: labels, legend: Legend::labels("Regions"), georeference: Georeference::default() };
         assert_eq!(Map::from_bytes(&map.to_bytes()).unwrap(), map);
+    }
+
+    #[test]
+    fn a_map_is_blank_when_nothing_is_on_it_and_classes_are_always_something() {
+        let with = |legend, data: Vec<f32>| {
+            let data = MapData::F32(Raster { grid: Grid::new(2, 1, 1.0), data });
+            Map { data, legend, georeference: Georeference::default() }.is_blank()
+        };
+        let cover = || Legend::continuous("Cover", "", ColourMap::Green);
+        assert!(with(cover(), vec![0.0, f32::NAN]));
+        assert!(!with(cover(), vec![0.0, 1e-6]));
+        assert!(with(Legend::labels("Regions"), vec![0.0; 2]));
+        assert!(!with(Legend::categories("Soil", Vec::new()), vec![0.0; 2]));
     }
 
     #[test]

@@ -18,6 +18,9 @@ use tiff_reader::TiffSample;
 /// The photometric interpretations of TIFF 6.0, by their codes.
 const PHOTOMETRIC: [&str; 4] = ["white is zero", "black is zero", "red, green and blue", "a colour table"];
 
+/// The photometric interpretation of a mask.
+const MASK: u16 = 4;
+
 /// GDAL's own tags.
 const GDAL_METADATA: u16 = 42112;
 const GDAL_NODATA: u16 = 42113;
@@ -46,6 +49,8 @@ pub(super) fn read(bytes: &[u8], options: &SheetOptions) -> Result<Sheet, Raster
     check_size(u64::from(ifd.width()), u64::from(ifd.height()), options.max_cells)?;
     let mut warnings = Vec::new();
     check_bands(ifd, &mut warnings)?;
+    let mut values = values(tiff.tiff(), ifd)?;
+    leave_out_masked(tiff.tiff(), ifd, &mut values)?;
     let place = tiff.place();
     if place.is_some() && tiff.key(1025) == Some(2) {
         let message = "the file's coordinates belong to the centres of its cells; they were moved by half a cell";
@@ -55,7 +60,7 @@ pub(super) fn read(bytes: &[u8], options: &SheetOptions) -> Result<Sheet, Raster
         format: Format::GeoTiff,
         width: ifd.width() as usize,
         height: ifd.height() as usize,
-        values: values(tiff.tiff(), ifd)?,
+        values,
         coding: Coding::Values,
         levels: levels(ifd),
         place,
@@ -181,6 +186,17 @@ fn values(tiff: &TiffFile, ifd: &Ifd) -> Result<Vec<f32>, RasterError> {
             Err(RasterError::Unreadable { format: Format::GeoTiff, reason })
         }
     }
+}
+
+/// Cells that an internal mask leaves out have no data: the mask is a second image of the same
+/// size that is 0 there (TIFF 6.0, `TransparencyMask`).
+fn leave_out_masked(tiff: &TiffFile, ifd: &Ifd, values: &mut [f32]) -> Result<(), RasterError> {
+    let same_size = |other: &&Ifd| (other.width(), other.height()) == (ifd.width(), ifd.height());
+    let is_mask = |other: &&Ifd| other.photometric_interpretation() == Some(MASK);
+    let Some(mask) = tiff.ifds().iter().filter(is_mask).find(same_size) else { return Ok(()) };
+    let seen = band::<u8>(tiff, mask, f32::from)?;
+    values.iter_mut().zip(seen).filter(|(_, seen)| *seen == 0.0).for_each(|(value, _)| *value = f32::NAN);
+    Ok(())
 }
 
 fn band<T: TiffSample + Copy + Send + Sync>(
@@ -412,6 +428,38 @@ pub(crate) mod tests {
         assert_eq!(error.code(), "COLOR_PNG");
         let error = read(&tiff((40_000, 40_000), (3, 32), &[0; 4], Vec::new(), false)).unwrap_err();
         assert!(matches!(error, RasterError::TooLarge { width: 40_000, .. }), "{error}");
+    }
+
+    /// `file` with an internal mask of one bit a cell, each row a byte.
+    fn masked(mut file: Vec<u8>, size: (u32, u32), rows: &[u8]) -> Vec<u8> {
+        let long = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
+        let ifd = long(4);
+        let next = ifd + 2 + 12 * usize::from(u16::from_le_bytes([file[ifd], file[ifd + 1]]));
+        let bits = file.len() as u32;
+        file.extend(rows);
+        file.resize(file.len().next_multiple_of(2), 0);
+        let at = file.len() as u32;
+        file[next..next + 4].copy_from_slice(&at.to_le_bytes());
+        let tags = [(254, 4), (256, size.0), (257, size.1), (258, 1), (259, 1), (262, 4), (273, bits), (277, 1)];
+        let tags = [&tags[..], &[(278, size.1), (279, rows.len() as u32)]].concat();
+        file.extend((tags.len() as u16).to_le_bytes());
+        for (code, value) in tags {
+            file.extend([code as u16, 4].map(u16::to_le_bytes).concat());
+            file.extend([1, value].map(u32::to_le_bytes).concat());
+        }
+        file.extend([0; 4]);
+        file
+    }
+
+    #[test]
+    fn cells_that_a_mask_leaves_out_have_no_data() {
+        let bytes = samples([1.0_f32, 2.0, 3.0, 4.0].map(f32::to_le_bytes));
+        let whole = tiff((2, 2), (3, 32), &bytes, Vec::new(), false);
+        let sheet = read(&masked(whole.clone(), (2, 2), &[0b1000_0000, 0b0100_0000])).unwrap();
+        let values: Vec<_> = sheet.values.iter().map(|v| Some(*v).filter(|v| !v.is_nan())).collect();
+        assert_eq!(values, [Some(1.0), None, None, Some(4.0)]);
+        let other = read(&masked(whole, (1, 1), &[0])).unwrap();
+        assert_eq!(other.values, [1.0, 2.0, 3.0, 4.0], "a mask of another size belongs to another image");
     }
 
     #[test]

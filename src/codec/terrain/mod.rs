@@ -27,6 +27,8 @@ use place::Placing;
 const COARSE_SLOPE: f64 = 0.01;
 /// The lowest and highest ground on Earth, metres, with some room.
 const PLAUSIBLE_M: std::ops::RangeInclusive<f32> = -11_500.0..=9_500.0;
+/// What most tools write where there is no data; no place on land is that low.
+const USUAL_MARK: f32 = -9999.0;
 
 /// What is said of a height map beside the file.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,7 +110,7 @@ fn heights(sheet: &mut Sheet, range_m: Option<(f64, f64)>) -> Result<Option<(f64
             sheet.values.iter_mut().for_each(|v| *v = (min + f64::from(*v) * step) as f32);
             Some((step, highest.ilog2() + 1))
         }
-        Coding::Values => None,
+        Coding::Values => sheet.levels.filter(|highest| *highest <= 255).and_then(|_| Some((least_step(sheet)?, 8))),
     };
     if let Some(unit) = sheet.height_unit_m.filter(|unit| *unit != 1.0) {
         sheet.values.iter_mut().for_each(|v| *v = (f64::from(*v) * unit) as f32);
@@ -120,6 +122,14 @@ fn heights(sheet: &mut Sheet, range_m: Option<(f64, f64)>) -> Result<Option<(f64
         true => Err(RasterError::AllNodata { cells: sheet.values.len() }),
         false => Ok(step),
     }
+}
+
+/// The smallest difference between two values of a sheet of few levels.
+fn least_step(sheet: &Sheet) -> Option<f64> {
+    let mut values: Vec<f32> = sheet.values.iter().copied().filter(|v| v.is_finite()).collect();
+    values.sort_unstable_by(f32::total_cmp);
+    values.dedup();
+    values.windows(2).map(|pair| f64::from(pair[1]) - f64::from(pair[0])).min_by(f64::total_cmp)
 }
 
 fn remarks(height: &Raster<f32>, step: Option<(f64, u32)>) -> Vec<Warning> {
@@ -140,10 +150,11 @@ fn remarks(height: &Raster<f32>, step: Option<(f64, u32)>) -> Vec<Warning> {
         let message = format!("{holes} of {} cells have no height; nothing lives there", height.data.len());
         all.push(Warning::new(warning::NODATA_PRESENT, message).with_count(holes));
     }
-    let odd = height.data.iter().filter(|v| !v.is_nan() && !PLAUSIBLE_M.contains(v)).count();
+    let odd = height.data.iter().filter(|v| !v.is_nan() && (!PLAUSIBLE_M.contains(v) || **v == USUAL_MARK)).count();
     if odd > 0 {
-        let message =
-            format!("{odd} heights lie outside −11,500 to 9,500 m: perhaps a mark for no data that is not declared");
+        let message = format!(
+            "{odd} heights are −9999 or outside −11,500 to 9,500 m: perhaps a mark for no data that is not declared"
+        );
         all.push(Warning::new(warning::IMPLAUSIBLE_HEIGHT, message).with_count(odd));
     }
     all
@@ -334,10 +345,20 @@ mod tests {
 
     #[test]
     fn holes_and_heights_of_no_place_on_earth_are_remarked_on() {
-        let heights = [1.0, -32768.0, f32::NAN, 3.0];
-        let terrain = read(&floats((2, 2), &heights, placed((30.0, 30.0), (0.0, 60.0), &UTM))).unwrap();
-        assert_eq!(codes(&terrain), [warning::NODATA_PRESENT, warning::IMPLAUSIBLE_HEIGHT]);
-        assert_eq!(terrain.warnings.iter().map(|w| w.count).collect::<Vec<_>>(), [1, 1]);
+        for mark in [-32768.0, -9999.0] {
+            let heights = [1.0, mark, f32::NAN, 3.0];
+            let terrain = read(&floats((2, 2), &heights, placed((30.0, 30.0), (0.0, 60.0), &UTM))).unwrap();
+            assert_eq!(codes(&terrain), [warning::NODATA_PRESENT, warning::IMPLAUSIBLE_HEIGHT]);
+            assert_eq!(terrain.warnings.iter().map(|w| w.count).collect::<Vec<_>>(), [1, 1]);
+        }
+    }
+
+    #[test]
+    fn a_geotiff_of_8_bits_is_remarked_on_with_its_step() {
+        let bytes = tiff((2, 2), (1, 8), &[10, 40, 14, 90], placed((30.0, 30.0), (0.0, 60.0), &UTM), false);
+        let terrain = read(&bytes).unwrap();
+        assert_eq!((terrain.height.data[1], codes(&terrain)), (40.0, vec![warning::EIGHT_BIT]));
+        assert!(terrain.warnings[0].message.contains("4.000 m"), "{}", terrain.warnings[0].message);
     }
 
     #[test]

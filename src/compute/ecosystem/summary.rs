@@ -6,9 +6,6 @@ use super::fauna::Population;
 use super::fauna::Stock;
 use super::flora;
 use super::flora::Flora;
-use super::planning::Activity;
-use super::planning::Planning;
-use super::planning::Plannings;
 use super::regions::Regions;
 use super::species::AnimalSpecies;
 use super::species::Food;
@@ -199,17 +196,6 @@ pub fn trails(trails: &Trails) -> TrailSummary {
         worn_m2: worn * trails.worn.grid.cell_area_m2(),
         kept_share: trails.kept_share,
     }
-}
-
-/// Per herd, how many seconds of its day go to each activity that it does, by activity; what is
-/// left of the day is travel.
-pub fn time_budget(plannings: &Plannings) -> Vec<Vec<(Activity, f64)>> {
-    let budget = |day: &Planning| {
-        let mut stays: Vec<_> = day.visits.iter().map(|v| (v.activity, v.leave_s - v.arrive_s)).collect();
-        stays.sort_by_key(|stay| stay.0);
-        stays.chunk_by(|a, b| a.0 == b.0).map(|of| (of[0].0, of.iter().map(|stay| stay.1).sum())).collect()
-    };
-    plannings.days.iter().map(budget).collect()
 }
 
 fn share(part: f64, whole: f64) -> f64 {

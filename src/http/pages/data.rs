@@ -23,7 +23,7 @@ pub fn table(table: &Table) -> String {
         .map(|column| {
             let unit =
                 if column.unit.is_empty() { String::new() } else { format!(" <small>{}</small>", esc(&column.unit)) };
-            format!("<th{}>{}{unit}</th>", class(column.values.is_numeric()), esc(&column.name))
+            format!("<th{}>{}{unit}</th>", class(column.values.is_numeric()), breakable(&column.name))
         })
         .collect();
     let row = |row: usize| -> String {
@@ -89,7 +89,7 @@ fn records(names: &[&String], items: &[Value]) -> String {
         |name: &String| items.iter().all(|item| item.get(name).is_none_or(|v| v.is_number() || v.is_null()));
     let head = |name: &&String| {
         let class = if is_number(name) { r#" class="number""# } else { "" };
-        format!("<th{class}>{}</th>", esc(name))
+        format!("<th{class}>{}</th>", breakable(name))
     };
     let row = |item: &Value| {
         let cells: String = names.iter().map(|name| cell(item.get(name.as_str()).unwrap_or(&Value::Null))).collect();
@@ -99,6 +99,11 @@ fn records(names: &[&String], items: &[Value]) -> String {
     let rows: String = items.iter().take(ROWS).map(row).collect();
     let more = more(items.len(), ROWS);
     format!(r#"<div class="scroll fit"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>{more}"#)
+}
+
+/// The name of a column, which may be broken after its underscores.
+fn breakable(name: &str) -> String {
+    esc(name).replace('_', "_<wbr>")
 }
 
 fn cell(value: &Value) -> String {

@@ -45,6 +45,8 @@ pub struct OutputView {
     pub href: String,
     /// Size of its stored form in bytes.
     pub size: u64,
+    /// Whether it is a map with nothing on it.
+    pub blank: bool,
     /// What kind of thing it is.
     pub kind: Kind,
     /// The thing itself, when it is a document or table small enough to be drawn.
@@ -91,9 +93,8 @@ pub fn job(view: &JobView) -> String {
     body.push_str(&warnings(&view.warnings));
     body.push_str(&figures("Maps and pictures", first.iter().filter(|output| is_picture(output))));
     body.push_str(&documents("Summary", &view.outputs, is_summary));
-    for family in rest.chunk_by(|a, b| a.order == b.order) {
-        let title = family.first().map_or("", |output| output.title.as_str());
-        body.push_str(&figures(title, family.iter().filter(|output| is_picture(output))));
+    for members in rest.chunk_by(|a, b| a.order == b.order) {
+        body.push_str(&family(members));
     }
     body.push_str(&documents("Tables and documents", &view.outputs, |output| !is_summary(output)));
     body.push_str(&files(&view.outputs));
@@ -205,12 +206,29 @@ fn figures<'a>(title: &str, views: impl Iterator<Item = &'a &'a OutputView>) -> 
     format!(r#"<h2>{}</h2><div class="maps">{figures}</div>"#, esc(title))
 }
 
+/// The maps of a family; those with nothing on them are only named.
+fn family(members: &[&OutputView]) -> String {
+    let pictures: Vec<_> = members.iter().copied().filter(|output| is_picture(output)).collect();
+    let Some(first) = pictures.first() else { return String::new() };
+    let (blank, seen): (Vec<_>, Vec<_>) = pictures.iter().partition(|output| output.blank);
+    let name = |view: &&&OutputView| format!(r#"<a href="{}">{}</a>"#, esc(&view.href), esc(&own_name(view)));
+    let names: Vec<String> = blank.iter().map(name).collect();
+    let nothing = match names.is_empty() {
+        true => String::new(),
+        false => format!("<p>Nothing anywhere: {}.</p>", names.join(", ")),
+    };
+    match figures(&first.title, seen.into_iter()) {
+        none if none.is_empty() => format!("<h2>{}</h2>{nothing}", esc(&first.title)),
+        figures => figures + &nothing,
+    }
+}
+
 fn figure(view: &OutputView, whole: bool) -> String {
     format!(
         r#"<figure{}><a href="{href}?f=png"><img src="{href}?f=png" alt="{title}" loading="lazy"></a><figcaption><b>{title}</b><br><code>{id}</code>{forms}</figcaption></figure>"#,
         if whole { r#" class="whole""# } else { "" },
         href = esc(&view.href),
-        title = esc(&heading(view)),
+        title = esc(&if whole { heading(view) } else { own_name(view) }),
         id = esc(&view.id),
         forms = forms(view)
     )
@@ -272,11 +290,18 @@ fn forms(view: &OutputView) -> String {
     format!(r#"<div class="forms">{links}</div>"#)
 }
 
-/// The name of an output; a member of a family is named by its own part of the id.
+/// The name of an output, whole.
 fn heading(view: &OutputView) -> String {
-    match view.id.rsplit_once('.') {
-        Some((_, own)) if view.kind == Kind::Map => format!("{}: {}", view.title, own.replace('-', " ")),
-        _ => view.title.clone(),
+    if view.of_a_family { format!("{}: {}", view.title, own_name(view)) } else { view.title.clone() }
+}
+
+/// The name of an output beside others of its family: its own part of the id.
+fn own_name(view: &OutputView) -> String {
+    let own = view.id.rsplit_once('.').map_or("", |(_, own)| own).replace('-', " ");
+    let mut letters = own.chars();
+    match letters.next().filter(|_| view.of_a_family) {
+        Some(first) => first.to_uppercase().chain(letters).collect(),
+        None => view.title.clone(),
     }
 }
 
@@ -295,5 +320,38 @@ fn size(bytes: u64) -> String {
         0..10_000 => format!("{bytes} B"),
         10_000..10_000_000 => format!("{} kB", bytes / 1000),
         _ => format!("{} MB", bytes / 1_000_000),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_with_nothing_on_them_are_named_and_not_drawn() {
+        let map = |id: &str, blank| OutputView {
+            id: id.into(),
+            order: 0,
+            of_a_family: true,
+            title: "Cover of a plant".into(),
+            text: String::new(),
+            href: format!("/jobs/1/results/{id}"),
+            size: 10,
+            blank,
+            kind: Kind::Map,
+            artefact: None,
+        };
+        let (oak, fern, moss) =
+            (map("plants.cover.quercus-ilex", false), map("plants.cover.fern", true), map("plants.cover.moss", true));
+        let page = family(&[&fern, &oak, &moss]);
+        assert_eq!(page.matches("<img").count(), 1);
+        assert!(page.contains("<b>Quercus ilex</b>"), "{page}");
+        assert!(
+            page.contains("Nothing anywhere: <a href=\"/jobs/1/results/plants.cover.fern\">Fern</a>, <a"),
+            "{page}"
+        );
+        let none = family(&[&fern]);
+        assert!(none.contains("<h2>Cover of a plant</h2>") && !none.contains("<img"), "{none}");
+        assert_eq!(heading(&oak), "Cover of a plant: Quercus ilex");
     }
 }

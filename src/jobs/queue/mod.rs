@@ -6,7 +6,10 @@
 mod row;
 mod sqlite;
 
+use std::collections::BTreeSet;
+
 use futures_util::future::BoxFuture;
+use time::OffsetDateTime;
 
 pub use row::Filter;
 pub use row::JobId;
@@ -68,6 +71,15 @@ pub struct Counts {
     pub running: u64,
 }
 
+/// What is kept of jobs that have ended, and of uploads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Keep {
+    /// Rows that ended, and uploads that were last used, before this moment are forgotten.
+    pub since: OffsetDateTime,
+    /// Bytes that the outputs of all rows may take: the rows that ended first are forgotten.
+    pub bytes: u64,
+}
+
 type Answer<'a, T> = BoxFuture<'a, Result<T, QueueError>>;
 
 /// A table of jobs. Each method is one transaction, on disk when it returns.
@@ -95,10 +107,14 @@ pub trait Queue: Send + Sync {
     /// [`STARTS_LIMIT`] times fail with `poisoned`. Returns how many wait again and how many
     /// failed. To be called while nobody else uses the table.
     fn recover<'a>(&'a self, poisoned: &'a Outcome) -> Answer<'a, (u64, u64)>;
+    /// Forgets rows and uploads that are kept no longer; how many. Rows that wait or run stay.
+    fn forget(&self, keep: Keep) -> Answer<'_, u64>;
+    /// The digests, with prefix, of everything that rows and uploads name.
+    fn named(&self) -> Answer<'_, BTreeSet<String>>;
     /// How many rows wait and run.
     fn counts(&self) -> Answer<'_, Counts>;
-    /// Remembers an uploaded file; `false` when it was known.
+    /// Remembers an uploaded file, used now; `false` when it was known.
     fn add_asset(&self, asset: AssetRow) -> Answer<'_, bool>;
-    /// The uploaded file of that digest.
+    /// The uploaded file of that digest. It counts as used now.
     fn asset<'a>(&'a self, digest: &'a str) -> Answer<'a, Option<AssetRow>>;
 }

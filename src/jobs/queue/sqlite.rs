@@ -3,10 +3,12 @@
 //! WAL with `synchronous=FULL`: a commit is on the disk when it returns. Whoever opens the file
 //! holds the folder, so rows that run when it is opened belong to a process that is gone.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
 use biotope_api::job::JobState;
+use futures_util::TryStreamExt as _;
 use sqlx::QueryBuilder;
 use sqlx::Row as _;
 use sqlx::Sqlite;
@@ -24,6 +26,7 @@ use crate::jobs::queue::AssetRow;
 use crate::jobs::queue::Counts;
 use crate::jobs::queue::Filter;
 use crate::jobs::queue::JobId;
+use crate::jobs::queue::Keep;
 use crate::jobs::queue::Lane;
 use crate::jobs::queue::NewRow;
 use crate::jobs::queue::Outcome;
@@ -60,9 +63,12 @@ CREATE TABLE IF NOT EXISTS assets (
     digest     TEXT PRIMARY KEY,
     media_type TEXT NOT NULL,
     size       INTEGER NOT NULL,
-    created    INTEGER NOT NULL
+    created    INTEGER NOT NULL             -- when it was last uploaded or used
 ) STRICT;
 ";
+
+/// How stale the time of an upload's last use may be, in microseconds.
+const USED_PACE: i64 = 60_000_000;
 
 /// The table of jobs in a SQLite file.
 #[derive(Debug, Clone)]
@@ -216,6 +222,52 @@ impl SqliteQueue {
         Ok((waiting.rows_affected(), failed.rows_affected()))
     }
 
+    async fn forget_rows(&self, keep: Keep) -> Result<u64, QueueError> {
+        let since = micros(keep.since);
+        let old = sqlx::query("DELETE FROM jobs WHERE finished < ?1 AND status NOT IN ('accepted', 'running')");
+        let mut forgotten = old.bind(since).execute(&self.pool).await?.rows_affected();
+        let unused = sqlx::query("DELETE FROM assets WHERE created < ?").bind(since);
+        forgotten += unused.execute(&self.pool).await?.rows_affected();
+        for id in self.beyond(keep.bytes).await? {
+            let delete = sqlx::query("DELETE FROM jobs WHERE id = ? AND status = 'successful'").bind(id);
+            forgotten += delete.execute(&self.pool).await?.rows_affected();
+        }
+        Ok(forgotten)
+    }
+
+    /// The ids of the rows whose outputs no longer fit into `bytes`, counted from those that
+    /// ended last; what several rows share counts once.
+    async fn beyond(&self, bytes: u64) -> Result<Vec<String>, QueueError> {
+        let successful = "SELECT id, outcome FROM jobs WHERE status = 'successful' ORDER BY finished DESC, id DESC";
+        let mut rows = sqlx::query(successful).fetch(&self.pool);
+        let (mut counted, mut taken, mut beyond) = (BTreeSet::new(), 0_u64, Vec::new());
+        while let Some(row) = rows.try_next().await? {
+            let id: String = row.try_get(0)?;
+            for (digest, size) in outputs(&id, row.try_get(1)?)? {
+                taken += if counted.insert(digest) { size } else { 0 };
+            }
+            if taken > bytes {
+                beyond.push(id);
+            }
+        }
+        Ok(beyond)
+    }
+
+    async fn named_digests(&self) -> Result<BTreeSet<String>, QueueError> {
+        let mut named = BTreeSet::new();
+        let mut rows = sqlx::query("SELECT id, task, outcome FROM jobs WHERE status <> 'dismissed'").fetch(&self.pool);
+        while let Some(row) = rows.try_next().await? {
+            let id: String = row.try_get(0)?;
+            named.insert(row.try_get(1)?);
+            named.extend(outputs(&id, row.try_get(2)?)?.into_iter().map(|(digest, _)| digest));
+        }
+        let mut assets = sqlx::query("SELECT digest FROM assets").fetch(&self.pool);
+        while let Some(row) = assets.try_next().await? {
+            named.insert(row.try_get(0)?);
+        }
+        Ok(named)
+    }
+
     async fn count_rows(&self) -> Result<Counts, QueueError> {
         let count = "SELECT coalesce(sum(status = 'accepted'), 0), coalesce(sum(status = 'running'), 0)
             FROM jobs WHERE status IN ('accepted', 'running')";
@@ -283,6 +335,14 @@ impl Queue for SqliteQueue {
         Box::pin(self.recover_rows(poisoned))
     }
 
+    fn forget(&self, keep: Keep) -> Answer<'_, u64> {
+        Box::pin(self.forget_rows(keep))
+    }
+
+    fn named(&self) -> Answer<'_, BTreeSet<String>> {
+        Box::pin(self.named_digests())
+    }
+
     fn counts(&self) -> Answer<'_, Counts> {
         Box::pin(self.count_rows())
     }
@@ -291,6 +351,10 @@ impl Queue for SqliteQueue {
         Box::pin(async move {
             let insert = "INSERT INTO assets (digest, media_type, size, created) VALUES (?, ?, ?, ?)
                 ON CONFLICT (digest) DO NOTHING";
+            let known = sqlx::query("UPDATE assets SET created = ? WHERE digest = ?").bind(now()).bind(&asset.digest);
+            if known.execute(&self.pool).await?.rows_affected() == 1 {
+                return Ok(false);
+            }
             let query = sqlx::query(insert)
                 .bind(asset.digest)
                 .bind(asset.media_type)
@@ -302,8 +366,15 @@ impl Queue for SqliteQueue {
 
     fn asset<'a>(&'a self, digest: &'a str) -> Answer<'a, Option<AssetRow>> {
         Box::pin(async move {
-            let query = sqlx::query("SELECT digest, media_type, size FROM assets WHERE digest = ?").bind(digest);
-            let Some(row) = query.fetch_optional(&self.pool).await? else { return Ok(None) };
+            let query = sqlx::query("SELECT digest, media_type, size, created FROM assets WHERE digest = ?");
+            let Some(row) = query.bind(digest).fetch_optional(&self.pool).await? else { return Ok(None) };
+            let used: i64 = row.try_get(3)?;
+            if used < now() - USED_PACE {
+                let touch = sqlx::query("UPDATE assets SET created = ? WHERE digest = ?").bind(now()).bind(digest);
+                if touch.execute(&self.pool).await?.rows_affected() == 0 {
+                    return Ok(None);
+                }
+            }
             let size = row.try_get::<i64, _>(2)?.unsigned_abs();
             Ok(Some(AssetRow { digest: row.try_get(0)?, media_type: row.try_get(1)?, size }))
         })
@@ -342,6 +413,15 @@ fn read(row: &SqliteRow) -> Result<Row, QueueError> {
         starts: row.try_get("starts")?,
         outcome: outcome.map(|text| serde_json::from_str(&text)).transpose().map_err(|error| corrupt(&id, error))?,
         id: JobId::parse(&id).ok_or_else(|| corrupt(&id, "its id"))?,
+    })
+}
+
+/// The digests and sizes of the outputs in a column `outcome`.
+fn outputs(job: &str, outcome: Option<String>) -> Result<Vec<(String, u64)>, QueueError> {
+    let Some(text) = outcome else { return Ok(Vec::new()) };
+    Ok(match serde_json::from_str(&text).map_err(|error| corrupt(job, error))? {
+        Outcome::Success { outputs, .. } => outputs.into_values().map(|stored| (stored.digest, stored.size)).collect(),
+        Outcome::Failure(_) => Vec::new(),
     })
 }
 
