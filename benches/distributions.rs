@@ -40,6 +40,12 @@ const TABLE: [(usize, usize, usize, f64); 6] = [
 const RUNS: usize = 3;
 
 fn main() -> Outcome<()> {
+    // Every job runs in a pool of its own.
+    let pool = rayon::ThreadPoolBuilder::new().build()?;
+    Ok(pool.install(|| figures().map_err(|error| error.to_string()))?)
+}
+
+fn figures() -> Outcome<()> {
     let most = std::env::args().find_map(|a| a.parse().ok()).unwrap_or(10_000);
     line(&format!("{} threads", std::thread::available_parallelism()?));
     for (count, classes, curves, allowed) in TABLE {

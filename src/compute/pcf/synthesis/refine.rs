@@ -330,7 +330,7 @@ impl<'a> Descent<'a> {
             let count = places.len().max(1) as f64;
             smooth.iter().zip(&view.factors).map(|(s, f)| s * f / count).collect::<Vec<f64>>()
         };
-        let curves: Vec<Vec<f64>> = (0..views).map(curve).collect();
+        let curves: Vec<Vec<f64>> = (0..views).into_par_iter().map(curve).collect();
         let targets = || self.scene.views.iter().map(|v| &v.target.mean);
         let rms: Vec<f64> = curves.iter().zip(targets()).map(|(c, t)| rms(c, t)).collect();
         let errors: Vec<Vec<f64>> =
@@ -406,7 +406,7 @@ impl<'a> Descent<'a> {
     /// that overlap partly the axis runs over a radius, among disjoint ones over r_max/2. For
     /// points it is T's.
     fn directions(&self, places: &[Point], state: &State) -> Vec<Point> {
-        let tables: Vec<Vec<f64>> = (0..state.errors.len()).map(|v| self.pull(&state.errors[v], v)).collect();
+        let tables: Vec<Vec<f64>> = (0..state.errors.len()).into_par_iter().map(|v| self.pull(&state.errors[v], v)).collect();
         let own = self.own_bodies(places);
         (0..places.len()).into_par_iter().map(|i| self.direction(i, (places[i], &own), &tables)).collect()
     }
