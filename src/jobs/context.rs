@@ -19,8 +19,8 @@ use crate::jobs::sources::Sources;
 use crate::storage::BlockingStore;
 use crate::storage::Digest;
 use crate::storage::Key;
-use crate::storage::Writing;
 use crate::storage::Pin;
+use crate::storage::Writing;
 
 /// What a job is handed when it runs: everything it may know of the world.
 pub struct JobContext<'a> {

@@ -406,7 +406,8 @@ impl<'a> Descent<'a> {
     /// that overlap partly the axis runs over a radius, among disjoint ones over r_max/2. For
     /// points it is T's.
     fn directions(&self, places: &[Point], state: &State) -> Vec<Point> {
-        let tables: Vec<Vec<f64>> = (0..state.errors.len()).into_par_iter().map(|v| self.pull(&state.errors[v], v)).collect();
+        let tables: Vec<Vec<f64>> =
+            (0..state.errors.len()).into_par_iter().map(|v| self.pull(&state.errors[v], v)).collect();
         let own = self.own_bodies(places);
         (0..places.len()).into_par_iter().map(|i| self.direction(i, (places[i], &own), &tables)).collect()
     }
