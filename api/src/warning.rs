@@ -40,6 +40,7 @@ warning_codes! {
     NodataPresent = "NODATA_PRESENT", "Some cells hold no data.";
     NonSquareCell = "NON_SQUARE_CELL", "The cells are not square; the raster was resampled.";
     GeographicCrs = "GEOGRAPHIC_CRS", "The raster is in degrees; it was projected to metres.";
+    StretchedCrs = "STRETCHED_CRS", "The raster is in web Mercator, whose metres are stretched; it was projected to true metres.";
     NotPow2Plus1 = "NOT_POW2_PLUS1", "The size is not a power of two plus one, which some engines ask for.";
     HalfPixelPoint = "HALF_PIXEL_POINT", "Values belong to points, not cells; the raster was moved by half a cell.";
     // Ecosystems.

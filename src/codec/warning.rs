@@ -21,6 +21,8 @@ pub const NODATA_PRESENT: &str = "NODATA_PRESENT";
 pub const NON_SQUARE_CELL: &str = "NON_SQUARE_CELL";
 /// Degrees were projected to metres.
 pub const GEOGRAPHIC_CRS: &str = "GEOGRAPHIC_CRS";
+/// Web Mercator was projected to true metres.
+pub const STRETCHED_CRS: &str = "STRETCHED_CRS";
 /// Values belonged to points; the raster was moved by half a cell.
 pub const HALF_PIXEL_POINT: &str = "HALF_PIXEL_POINT";
 /// The smallest step of height is coarse.

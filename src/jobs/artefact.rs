@@ -6,12 +6,14 @@ use serde::Serialize;
 use serde_json::Value;
 use serde_json::json;
 
+use crate::codec::map::Category;
 use crate::codec::map::Map;
 use crate::codec::map::PictureOptions;
+use crate::codec::map::Scale;
 use crate::jobs::Table;
 
 /// Version of the encoders; to be raised whenever the same artefact gives other bytes in a form.
-pub const ENCODERS_VERSION: u32 = 1;
+pub const ENCODERS_VERSION: u32 = 2;
 
 /// What a job hands back.
 #[derive(Debug, Clone)]
@@ -245,11 +247,11 @@ fn tables_csv(tables: &[(String, Table)]) -> String {
     parts.join("\n")
 }
 
-/// What can be said of a map in a few lines: size, place, legend, extremes.
+/// What can be said of a map in a few lines: size, place, legend, extremes; what its classes are.
 fn map_json(map: &Map) -> Value {
     let grid = map.grid();
     let statistics = map.statistics();
-    json!({
+    let mut about = json!({
         "title": map.legend.title,
         "unit": map.legend.unit,
         "width": grid.width,
@@ -262,12 +264,22 @@ fn map_json(map: &Map) -> Value {
         "max": statistics.max,
         "mean": statistics.mean,
         "nodata_cells": statistics.nodata,
-    })
+    });
+    if let Scale::Categories(classes) = &map.legend.scale {
+        let class = |c: &Category| json!({ "value": c.value, "label": c.label, "colour": c.colour });
+        about["classes"] = classes.iter().map(class).collect();
+    }
+    about
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codec::map::Georeference;
+    use crate::codec::map::Legend;
+    use crate::codec::map::MapData;
+    use crate::compute::raster::Grid;
+    use crate::compute::raster::Raster;
 
     #[test]
     fn every_kind_encodes_in_every_form_it_claims_and_refuses_others() {
@@ -287,6 +299,17 @@ mod tests {
             }
             assert!(matches!(back.encode("xyz"), Err(ArtefactError::NoSuchForm { .. })));
         }
+    }
+
+    #[test]
+    fn what_is_said_of_a_map_names_its_classes() {
+        let class = Category { value: 3, label: "marl".into(), colour: [9, 8, 7] };
+        let data = MapData::U8(Raster { grid: Grid::new(2, 1, 5.0), data: vec![3, 255] });
+        let legend = Legend::categories("Soil", vec![class]);
+        let map = Artefact::Map(Map { data, legend, georeference: Georeference::default() });
+        let about: Value = serde_json::from_slice(&map.encode("json").unwrap().bytes).unwrap();
+        assert_eq!(about["classes"], json!([{"value": 3, "label": "marl", "colour": [9, 8, 7]}]));
+        assert_eq!((&about["nodata_cells"], &about["cell_m"]), (&json!(1), &json!(5.0)));
     }
 
     #[test]

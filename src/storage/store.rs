@@ -305,13 +305,14 @@ mod tests {
         store.remove(&key).await.unwrap();
         assert!(matches!(store.get(&key).await, Err(StoreError::NotFound { .. })));
     }
+
     #[tokio::test]
     async fn a_sweep_takes_what_nobody_names_or_holds_and_nothing_that_comes_after_it_began() {
         let store = Store::in_memory();
         let put = async |text: &'static str| store.put_blob(Bytes::from_static(text.as_bytes())).await.unwrap();
-        let (named, forgotten, again) = (put("named").await.digest(), put("gone").await.digest(), put("again").await);
+        let (named, forgotten) = (put("named").await.digest(), put("gone").await.digest());
+        let again = put("again").await.digest();
         let held = put("held").await;
-        let again = again.digest();
         let sweep = store.sweep().unwrap();
         assert!(store.sweep().is_none(), "one at a time");
         drop(put("again").await);

@@ -230,7 +230,7 @@ mod tests {
         // A cell is without data just where its centre lies outside the file's own rim.
         let zone = projection::Projection::between(None, 32616).unwrap();
         for i in 0..grid.len() {
-            let q = zone.to_degrees(grid.centre(i)).unwrap();
+            let q = zone.to_file(grid.centre(i)).unwrap();
             let (u, v) = ((q.x + 84.4) / second3, (36.7 - q.y) / second3);
             let depth = u.min(v).min(f64::from(w) - u).min(f64::from(h) - v);
             assert!(depth.abs() < 0.01 || terrain.height.data[i].is_nan() == (depth < 0.0), "{depth} cells deep");
@@ -251,10 +251,37 @@ mod tests {
         let zone = projection::Projection::between(None, 32732).unwrap();
         let grid = terrain.height.grid;
         for i in (0..grid.len()).filter(|i| !terrain.height.data[*i].is_nan()) {
-            let q = zone.to_degrees(grid.centre(i)).unwrap();
+            let q = zone.to_file(grid.centre(i)).unwrap();
             let inside = (10.001..10.059).contains(&q.x) && (-19.999..-19.951).contains(&q.y);
             let error = f64::from(terrain.height.data[i]) - height(q.x, q.y);
             assert!(!inside || error.abs() < 5e-3, "{error} at {q:?}");
+        }
+    }
+
+    #[test]
+    fn web_mercator_is_brought_to_true_metres() {
+        let (w, h) = (60, 50);
+        let corner = Point::new(306_000.0, 5_290_000.0);
+        let height = |x: f64, y: f64| 0.05 * (x - corner.x) + 0.03 * (corner.y - y);
+        let at = |i: u32| (corner.x + (f64::from(i % w) + 0.5) * 40.0, corner.y - (f64::from(i / w) + 0.5) * 40.0);
+        let heights: Vec<f32> = (0..w * h).map(at).map(|(x, y)| height(x, y) as f32).collect();
+        let keys = [[1024, 0, 1, 1], [3072, 0, 1, 3857]];
+        let terrain = read(&floats((w, h), &heights, placed((40.0, 40.0), (corner.x, corner.y), &keys))).unwrap();
+        assert!(codes(&terrain).starts_with(&[warning::STRETCHED_CRS]));
+        let (grid, latitude) = (terrain.height.grid, terrain.latitude_deg.unwrap());
+        assert!((latitude - 42.848_892_8).abs() < 1e-6, "{latitude}");
+        assert_eq!((grid.cell_m, terrain.georeference.code()), (40.0 * latitude.to_radians().cos(), Some(32631)));
+        let zone = projection::Projection::between(Some(3857), 32631).unwrap();
+        let middle = zone.to_plane(Point::new(307_200.0, 5_289_000.0)).unwrap();
+        assert!(middle.distance(Point::new(480_359.445_95, 4_744_062.839_39)) < 0.01, "{middle:?} against PROJ");
+        let seen: Vec<_> = (0..grid.len()).filter(|i| !terrain.height.data[*i].is_nan()).collect();
+        assert!(seen.len() > 2800, "{}", seen.len());
+        for i in seen {
+            let q = zone.to_file(grid.centre(i)).unwrap();
+            let (u, v) = ((q.x - corner.x) / 40.0, (corner.y - q.y) / 40.0);
+            let inside = (0.5..59.5).contains(&u) && (0.5..49.5).contains(&v);
+            let error = f64::from(terrain.height.data[i]) - height(q.x, q.y);
+            assert!(!inside || error.abs() < 0.02, "{error} at {q:?}");
         }
     }
 

@@ -57,11 +57,20 @@ impl Placing {
         let crs = named(sheet, &affine, options)?;
         let mut placing = match crs {
             SourceCrs::Geographic(code) => geographic(sheet, affine, code, options)?,
+            SourceCrs::Projected(Some(code), _) if projection::is_web_mercator(code) => {
+                mercator(sheet, affine, code, options)?
+            }
             crs => planar(sheet, affine, &crs, options)?,
         };
         placing.note_ignored(sheet, options);
         check_cells(&placing.grid, options.max_cells)?;
         Ok(placing)
+    }
+
+    /// What was projected to, for people.
+    fn said(&self) -> String {
+        let zone = self.georeference.code().unwrap_or_default();
+        format!("EPSG:{zone} at square cells of {} m", self.grid.cell_m)
     }
 
     fn note_ignored(&mut self, sheet: &Sheet, options: &TerrainOptions) {
@@ -146,21 +155,46 @@ fn geographic(
         return Err(RasterError::Georeference { found });
     }
     let middle = (degrees.min + degrees.max) * 0.5;
-    let zone = projection::utm(middle);
-    let projection = Projection::between(code, zone)?;
     let seconds = affine.b.hypot(affine.e) * 3600.0;
     let cell = options.cell_m.unwrap_or_else(|| nominal(seconds * METRES_A_SECOND));
+    let mut placing = projected(sheet, affine, code, (middle, cell))?;
+    let message = format!("degrees were projected to {}", placing.said());
+    placing.warnings.push(Warning::new(warning::GEOGRAPHIC_CRS, message));
+    Ok(placing)
+}
+
+/// Web Mercator, whose metres are longer than those on the ground: projected to the UTM zone of
+/// the middle, at the size that its cells have there on the ground.
+fn mercator(sheet: &Sheet, affine: Affine, code: u16, options: &TerrainOptions) -> Result<Placing, RasterError> {
+    let bounds = extent(&affine, sheet);
+    let found = format!("web Mercator from {:?} to {:?}", bounds.min, bounds.max);
+    let to_degrees = Projection::between(None, code)?;
+    let middle = to_degrees.to_file((bounds.min + bounds.max) * 0.5).ok_or(RasterError::Georeference { found })?;
+    let side = affine.a.hypot(affine.d).min(affine.b.hypot(affine.e)) * middle.y.to_radians().cos();
+    let mut placing = projected(sheet, affine, Some(code), (middle, options.cell_m.unwrap_or(side)))?;
+    let message = format!("web Mercator stretches lengths: the terrain was projected to {}", placing.said());
+    placing.warnings.push(Warning::new(warning::STRETCHED_CRS, message));
+    Ok(placing)
+}
+
+/// Square cells of that side in the UTM zone of `middle`, in degrees.
+fn projected(
+    sheet: &Sheet,
+    affine: Affine,
+    code: Option<u16>,
+    (middle, cell): (Point, f64),
+) -> Result<Placing, RasterError> {
+    let zone = projection::utm(middle);
+    let projection = Projection::between(code, zone)?;
     let bounds = outline(&affine, sheet, &projection).ok_or_else(|| RasterError::Georeference {
-        found: format!("degrees that the zone EPSG:{zone} does not hold"),
+        found: format!("coordinates that the zone EPSG:{zone} does not hold"),
     })?;
-    let grid = covering(bounds, cell);
-    let message = format!("degrees were projected to EPSG:{zone} at square cells of {cell} m");
     Ok(Placing {
-        grid,
+        grid: covering(bounds, cell),
         way: Way::Resampled(affine, Some(Box::new(projection))),
         georeference: Georeference::epsg(zone),
         latitude_deg: Some(middle.y),
-        warnings: vec![Warning::new(warning::GEOGRAPHIC_CRS, message)],
+        warnings: Vec::new(),
     })
 }
 
@@ -173,7 +207,7 @@ fn nominal(cell: f64) -> f64 {
 /// Latitude of the middle of `bounds` in the coordinates of that code.
 fn latitude(code: u16, bounds: Bounds) -> Option<f64> {
     let projection = Projection::between(None, code).ok()?;
-    projection.to_degrees((bounds.min + bounds.max) * 0.5).map(|p| p.y)
+    projection.to_file((bounds.min + bounds.max) * 0.5).map(|p| p.y)
 }
 
 /// The bounds of the projected rim of the sheet.

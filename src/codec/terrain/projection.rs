@@ -6,34 +6,39 @@ use proj4rs::transform::transform;
 /// Longitude and latitude on WGS 84.
 const WGS84: u16 = 4326;
 
-/// Between a geographic coordinate system and a planar one in metres.
+/// Between the coordinate system of a file and a planar one in metres.
 pub(super) struct Projection {
-    geographic: Proj,
+    file: Proj,
     planar: Proj,
+    /// Whether the file's coordinates are degrees, not lengths.
+    degrees: bool,
 }
 
 impl Projection {
-    /// From the geographic system of that code (WGS 84 where none is named) to a planar one.
-    pub(super) fn between(geographic: Option<u16>, planar: u16) -> Result<Self, RasterError> {
-        Ok(Self { geographic: system(geographic.unwrap_or(WGS84))?, planar: system(planar)? })
+    /// From the system of that code (WGS 84 in degrees where none is named) to a planar one.
+    pub(super) fn between(file: Option<u16>, planar: u16) -> Result<Self, RasterError> {
+        let (file, planar) = (system(file.unwrap_or(WGS84))?, system(planar)?);
+        Ok(Self { degrees: file.is_latlong(), file, planar })
     }
 
-    /// Longitude and latitude in degrees of a point of the plane; `None` outside the
+    /// A point of the plane in the file's coordinates, degrees or lengths; `None` outside the
     /// projection's range.
-    pub(super) fn to_degrees(&self, p: Point) -> Option<Point> {
-        let q = moved(&self.planar, &self.geographic, p)?;
-        Some(Point::new(q.x.to_degrees(), q.y.to_degrees()))
+    pub(super) fn to_file(&self, p: Point) -> Option<Point> {
+        let q = moved(&self.planar, &self.file, p)?;
+        Some(if self.degrees { Point::new(q.x.to_degrees(), q.y.to_degrees()) } else { q })
     }
 
-    /// The same, with the longitude counted so that it lies within half a turn of `near`.
-    pub(super) fn to_degrees_near(&self, p: Point, near: f64) -> Option<Point> {
-        let q = self.to_degrees(p)?;
-        Some(Point::new(q.x + 360.0 * ((near - q.x) / 360.0).round(), q.y))
+    /// The same, with a longitude counted so that it lies within half a turn of `near`.
+    pub(super) fn to_file_near(&self, p: Point, near: f64) -> Option<Point> {
+        let q = self.to_file(p)?;
+        let turns = if self.degrees { ((near - q.x) / 360.0).round() } else { 0.0 };
+        Some(Point::new(q.x + 360.0 * turns, q.y))
     }
 
-    /// The point of the plane at that longitude and latitude in degrees.
-    pub(super) fn to_plane(&self, degrees: Point) -> Option<Point> {
-        moved(&self.geographic, &self.planar, Point::new(degrees.x.to_radians(), degrees.y.to_radians()))
+    /// The point of the plane at those coordinates of the file.
+    pub(super) fn to_plane(&self, p: Point) -> Option<Point> {
+        let q = if self.degrees { Point::new(p.x.to_radians(), p.y.to_radians()) } else { p };
+        moved(&self.file, &self.planar, q)
     }
 }
 
@@ -50,6 +55,11 @@ fn system(code: u16) -> Result<Proj, RasterError> {
 /// Whether a code names a geographic coordinate system.
 pub(super) fn is_geographic(code: u16) -> Result<bool, RasterError> {
     Ok(system(code)?.is_latlong())
+}
+
+/// Whether a code names web Mercator, whose metres are stretched by 1 / cos(latitude).
+pub(super) const fn is_web_mercator(code: u16) -> bool {
+    matches!(code, 3857 | 3785)
 }
 
 /// Metres a unit of the planar coordinate system of that code.
@@ -89,7 +99,7 @@ mod tests {
         let zone = Projection::between(None, 32616).unwrap();
         let p = zone.to_plane(Point::new(-84.4, 36.6)).unwrap();
         assert!(p.distance(Point::new(732_567.198, 4_053_647.962_5)) < 0.001, "{p:?}");
-        let back = zone.to_degrees(p).unwrap();
+        let back = zone.to_file(p).unwrap();
         assert!(back.distance(Point::new(-84.4, 36.6)) < 1e-9);
     }
 

@@ -19,7 +19,7 @@ pub(super) fn onto(sheet: Sheet, placing: &Placing) -> Raster<f32> {
         Way::Resampled(affine, projection) => {
             let middle = affine.x0 + (affine.a * sheet.width as f64 + affine.b * sheet.height as f64) / 2.0;
             let project = |p: Point| match projection {
-                Some(projection) => projection.to_degrees_near(p, middle),
+                Some(projection) => projection.to_file_near(p, middle),
                 None => Some(p),
             };
             resampled(&sheet, grid, |p| project(p).and_then(|q| cell(affine, q)))
@@ -69,7 +69,7 @@ mod tests {
         for start in
             [Point::new(200_000.0, 100_000.0), Point::new(730_000.0, 4_050_000.0), Point::new(800_000.0, 8_800_000.0)]
         {
-            let at = |i: f64| zone.to_degrees(start + Point::new(i * cell, 0.0)).unwrap();
+            let at = |i: f64| zone.to_file(start + Point::new(i * cell, 0.0)).unwrap();
             let (from, to) = (at(0.0), at(KNOTS as f64));
             for i in 0..KNOTS {
                 let straight = from.lerp(to, i as f64 / KNOTS as f64);
