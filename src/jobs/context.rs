@@ -160,23 +160,25 @@ impl<'a> JobContext<'a> {
         self.kept.citations.push(Citation { subject: subject.into(), source: source.into() });
     }
 
-    /// The result of a stage: the stored one when the stage has run before with the same inputs,
-    /// in this job or any other; otherwise `work` is done and stored, which goes on while the job
-    /// does. Warnings belong in the bytes, since `work` may not run.
+    /// What [`JobContext::remember`] was given for a stage of the same inputs, by any job.
     ///
     /// # Errors
-    /// Those of `work`, or when the store fails, at this stage or at the one before.
-    pub fn memo(&self, stage: Stage, work: impl FnOnce() -> Result<Bytes, Failure>) -> Result<Bytes, Failure> {
-        let key = Key::Stage(stage.digest());
-        if let Some(bytes) = self.store.find(&key)? {
-            return Ok(bytes);
-        }
-        self.run.check()?;
-        let bytes = work()?;
+    /// When the store fails.
+    pub fn recall(&self, stage: Stage) -> Result<Option<Bytes>, Failure> {
+        Ok(self.store.find(&Key::Stage(stage.digest()))?)
+    }
+
+    /// Stores the result of a stage, which goes on while the job does. Warnings belong in the
+    /// bytes, since the stage will not run again.
+    ///
+    /// # Errors
+    /// When the store fails, at this stage or at one before.
+    pub fn remember(&self, stage: Stage, bytes: Bytes) -> Result<(), Failure> {
         self.written_but(MAX_WAITING_BYTES.saturating_sub(bytes.len()))?;
-        let writing = self.store.begin_put(key, bytes.clone());
-        self.writing.borrow_mut().push_back((bytes.len(), writing));
-        Ok(bytes)
+        let size = bytes.len();
+        let writing = self.store.begin_put(Key::Stage(stage.digest()), bytes);
+        self.writing.borrow_mut().push_back((size, writing));
+        Ok(())
     }
 
     /// Waits until at most `left` bytes of stages are yet to be stored.

@@ -31,26 +31,27 @@ pub trait Stored: Sized {
     fn read(r: &mut Reader<'_>) -> Result<Self, binary::Error>;
 }
 
-/// The result of a stage: the stored one when it has run before, otherwise that of `work`, which
-/// is then stored. Work that is done is not read back.
+/// The result of a stage: the stored one when it has run before and can be read, otherwise that of
+/// `work`, which is then stored.
 pub fn stage<T: Stored>(
     context: &JobContext<'_>,
     stage: Stage,
     work: impl FnOnce() -> Result<T, Failure>,
 ) -> Result<T, Failure> {
-    let mut fresh = None;
-    let bytes = context.memo(stage, || {
-        let value = work()?;
-        let mut w = Writer::for_run(T::KIND, VERSION, &context.run);
-        value.write(&mut w);
-        context.run.check()?;
-        fresh = Some(value);
-        Ok(Bytes::from(w.finish()))
-    })?;
-    match fresh {
-        Some(value) => Ok(value),
-        None => decode(&bytes).map_err(Failure::fault),
+    match context.recall(stage)?.map(|bytes| decode(&bytes)) {
+        Some(Ok(value)) => return Ok(value),
+        Some(Err(error)) => {
+            tracing::warn!(stage = stage.name, %error, "a stored stage cannot be read and is made again")
+        }
+        None => {}
     }
+    context.run.check()?;
+    let value = work()?;
+    let mut w = Writer::for_run(T::KIND, VERSION, &context.run);
+    value.write(&mut w);
+    context.run.check()?;
+    context.remember(stage, Bytes::from(w.finish()))?;
+    Ok(value)
 }
 
 fn decode<T: Stored>(bytes: &[u8]) -> Result<T, binary::Error> {
