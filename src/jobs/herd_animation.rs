@@ -46,7 +46,7 @@ impl Process for HerdAnimation {
             title: "Herd animation",
             text: "Lets a herd walk over a terrain through key-frames, each with a key-herd or only a place, round \
                    obstacles, and gives the track of every animal.",
-            version: "2",
+            version: "3",
             keywords: &["herd", "animation", "tracks", "crowd simulation", "steering"],
             control: ASYNC,
             inputs: inputs_schema::<HerdAnimationInputs>(),
@@ -62,10 +62,9 @@ impl Process for HerdAnimation {
         let obstacles = all.keep(obstacles::open(&inputs.obstacles, sources));
         let frames = all.keep(key_frames::open(&inputs, sources));
         let (Some(land), Some(obstacles), Some(frames)) = (land, obstacles, frames) else { return Err(all) };
-        match animation::check(&land.height, &obstacles, &frames.frames, &options) {
-            Ok(()) => Ok(Box::new(AnimationJob { inputs, land, obstacles, frames, options })),
-            Err(error) => Err(faults::animation(&error, &frames).unwrap_or_default()),
-        }
+        let found = animation::faults(&land.height, &obstacles, &frames.frames, &options);
+        faults::animations(&found, &frames).into_result()?;
+        Ok(Box::new(AnimationJob { inputs, land, obstacles, frames, options }))
     }
 }
 
@@ -104,8 +103,8 @@ fn outputs() -> Vec<Output> {
         file(
             "tracks.mfjson",
             "Tracks, Moving Features",
-            "OGC Moving Features JSON: a MovingPoint an animal with its heading. Second 0 is 2000-01-01T00:00Z; \
-             marked as simulated.",
+            "OGC Moving Features JSON: a MovingPoint in the plane an animal, its height and heading as temporal \
+             properties. Second 0 is 2000-01-01T00:00Z; marked as simulated.",
             Kind::file("application/geo+json", "mfjson"),
         ),
     ]

@@ -323,7 +323,7 @@ pub mod animation {
     fn a_key_frame_off_the_terrain_or_in_a_hole_is_refused() {
         refused(with(|i| i["key_frames"][1]["position"] = json!([50, 101])), "/key_frames/1", "off-terrain");
         refused(with(|i| i["key_frames"][1]["position"] = json!([3, 97])), "/key_frames/1", "off-terrain");
-        refused(with(|i| i["key_frames"][2]["herd"][5]["x"] = json!(-1)), "/key_frames/2", "off-terrain");
+        refused(with(|i| i["key_frames"][2]["herd"][5]["x"] = json!(-1)), "/key_frames/2/herd/5", "off-terrain");
     }
 
     #[test]
@@ -334,6 +334,25 @@ pub mod animation {
             i["key_frames"][2]["herd"][3]["y"] = json!(76);
         };
         refused(with(stand), "/key_frames/2/herd/3", "in-obstacle");
+    }
+
+    #[test]
+    fn all_that_is_wrong_with_key_frames_is_told_at_once() {
+        let wrong = with(|i| {
+            i["key_frames"][0]["herd"][2]["y"] = json!(-4);
+            i["key_frames"][1] = json!({"time_s": -3, "position": [50, 75]});
+            i["key_frames"][2]["herd"] = animals(4, 75.0, 50.0);
+        });
+        let found = faults(&HerdAnimation, &wrong);
+        for (pointer, code) in [
+            ("/key_frames/0/herd/2", "off-terrain"),
+            ("/key_frames/1/time_s", "times-not-rising"),
+            ("/key_frames/1", "in-obstacle"),
+            ("/key_frames/2/herd", "numbers-differ"),
+        ] {
+            assert!(found.contains(&(pointer.to_owned(), code.to_owned())), "{pointer} {code}: {found:?}");
+        }
+        assert_eq!(found.len(), 4, "{found:?}");
     }
 
     #[test]

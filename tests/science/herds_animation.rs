@@ -15,6 +15,7 @@ use biotope::compute::herds::animation::KeyFrame;
 use biotope::compute::herds::animation::KeyPose;
 use biotope::compute::herds::animation::Why;
 use biotope::compute::herds::animation::animate;
+use biotope::compute::herds::animation::faults;
 use biotope::compute::herds::contact;
 use biotope::compute::herds::contact::Footprint;
 use biotope::compute::herds::key_herd::KeyHerdOptions;
@@ -362,6 +363,88 @@ fn slopes_make_the_same_way_take_longer() {
     ];
     let needed = |slope: f64| walk(&hills(slope), &none, &frames, &options).report.arrivals[0].needed_s;
     assert!(needed(0.4) > 1.3 * needed(0.0));
+}
+
+#[test]
+fn a_herd_climbs_slower_than_it_walks_on_level_ground() {
+    let (none, options) = (Obstacles::default(), AnimationOptions::default());
+    let ramp = |slope: f64| {
+        let grid = Grid::new(120, 120, 5.0);
+        Raster { grid, data: (0..grid.len()).map(|i| (slope * grid.centre(i).x) as f32).collect() }
+    };
+    let frames = [
+        at(0.0, herd(9, Point::new(100.0, 300.0), (4.0, 0.0), 11)),
+        at(30.0, herd(9, Point::new(300.0, 300.0), (4.0, 0.0), 12)),
+    ];
+    // Metres that the herd's middle comes in thirty seconds when it has to hurry.
+    let way = |slope: f64| {
+        let tracks = walk(&ramp(slope), &none, &frames, &options).tracks;
+        let last = tracks.times_s.len() - 1;
+        let middle = |step: usize| (0..9).map(|i| tracks.pose(step, i).place.x).sum::<f64>() / 9.0;
+        middle(last) - middle(0)
+    };
+    // Tobler's function at rises of 0.2 and 0.4, and at a fall of 0.4, over its value on the level.
+    for (slope, factor) in [(0.0, 1.0), (0.2, 0.497), (0.4, 0.247), (-0.4, 0.350)] {
+        let (found, most) = (way(slope), 30.0 * 3.0 * factor);
+        assert!(found <= 1.01 * most && found > 0.7 * most, "slope {slope}: {found} m of {most}");
+    }
+}
+
+#[test]
+fn the_herd_waits_for_those_who_have_a_longer_way() {
+    let (flat, none, options) = (hills(0.0), Obstacles::default(), AnimationOptions::default());
+    // A wall before one half of the herd only: it has to go round.
+    let wall = Obstacles {
+        disks: (0..40).map(|k| (Point::new(200.0, 302.0 + 2.0 * f64::from(k)), 1.5)).collect(),
+        ..Obstacles::default()
+    };
+    let frames = [
+        at(0.0, herd(16, Point::new(120.0, 300.0), (12.0, 0.0), 31)),
+        at(160.0, herd(16, Point::new(300.0, 300.0), (12.0, 0.0), 32)),
+    ];
+    let free = walk(&flat, &none, &frames, &options);
+    assert_eq!(free.report.waited_s, 0.0);
+    let walled = walk(&flat, &wall, &frames, &options);
+    keeps_the_laws(&walled, &options, &wall, 0.0);
+    assert!(walled.report.waited_s > 2.0, "{}", walled.report.waited_s);
+    assert!(walled.report.arrivals[0].on_place >= 0.9, "{:?}", walled.report.arrivals[0]);
+    // Who has a free way is held back by those who have not.
+    let tracks = &walled.tracks;
+    let early = tracks.times_s.iter().position(|t| *t >= 80.0).unwrap();
+    let foremost = |a: &Animation| (0..16).map(|i| a.tracks.pose(early, i).place.x).fold(0.0, f64::max);
+    assert!(foremost(&walled) < foremost(&free) - 1.0, "{} {}", foremost(&walled), foremost(&free));
+}
+
+#[test]
+fn everything_that_is_wrong_with_key_frames_and_options_is_told_at_once() {
+    let flat = hills(0.0);
+    let rock = Obstacles { disks: vec![(Point::new(200.0, 200.0), 10.0)], ..Obstacles::default() };
+    let frames = [
+        at(0.0, herd(4, Point::new(200.0, 200.0), (2.0, 0.0), 13)),
+        via(-5.0, 700.0, 100.0),
+        at(9.0, herd(3, Point::new(100.0, 100.0), (4.0, 0.0), 14)),
+    ];
+    let mut options = AnimationOptions { step_s: 9.0, ..AnimationOptions::default() };
+    options.gait.max_speed_m_per_s = f64::NAN;
+    let found = faults(&flat, &rock, &frames, &options);
+    let of = |index: usize, animal: usize| {
+        let is = |e: &AnimationError| matches!(e, AnimationError::InObstacle { index: i, animal: Some(a), .. } if (*i, *a) == (index, animal));
+        found.iter().any(is)
+    };
+    assert!((0..4).all(|animal| of(0, animal)), "{found:?}");
+    for expected in [
+        |e: &AnimationError| matches!(e, AnimationError::TimesNotRising { index: 1, .. }),
+        |e: &AnimationError| matches!(e, AnimationError::OffTerrain { index: 1, animal: None, .. }),
+        |e: &AnimationError| matches!(e, AnimationError::NumbersDiffer { index: 2, expected: 4, found: 3 }),
+        |e: &AnimationError| matches!(e, AnimationError::BadOption { field: "max_speed_m_per_s", .. }),
+        |e: &AnimationError| matches!(e, AnimationError::BadOption { field: "step_s", .. }),
+    ] {
+        assert_eq!(found.iter().filter(|e| expected(e)).count(), 1, "{found:?}");
+    }
+    assert_eq!(found.len(), 9);
+    // A whole herd in the rock is not a fault an animal.
+    let lost = [at(0.0, herd(900, Point::new(-900.0, 0.0), (2.0, 0.0), 13)), via(9.0, 30.0, 30.0)];
+    assert_eq!(faults(&flat, &rock, &lost, &AnimationOptions::default()).len(), 100);
 }
 
 #[test]

@@ -1,5 +1,8 @@
-//! OGC Moving Features JSON (OGC 19-045r3): one feature an animal, a `MovingPoint` with its
-//! heading as a temporal property. Second 0 is 2000-01-01T00:00Z.
+//! OGC Moving Features JSON (OGC 19-045r3): one feature an animal, a `MovingPoint` with its height
+//! and heading as temporal properties. Second 0 is 2000-01-01T00:00Z.
+//!
+//! Positions are in the plane, although the standard allows a third coordinate: MovingPandas takes
+//! pairs only, and a height that is a property comes out as a column of its own.
 
 use std::fmt::Write as _;
 
@@ -45,17 +48,24 @@ impl TrackFile<'_> {
         let _ = write!(out, r#""geometry":null,"temporalGeometry":{{"type":"MovingPoint","datetimes":[{times}],"#);
         out.push_str(r#""coordinates":["#);
         list(out, poses(), |out, p| {
-            let _ = write!(out, "[{:?},{:?},{:?}]", p.place.x, p.place.y, p.z);
+            let _ = write!(out, "[{:?},{:?}]", p.place.x, p.place.y);
         });
         let _ = write!(out, r#"],"interpolation":"Linear","crs":{}}},"#, crs(self.georeference));
-        let _ =
-            write!(out, r#""temporalProperties":[{{"datetimes":[{times}],"heading":{{"type":"Measure","form":"rad","#);
-        out.push_str(r#""values":["#);
-        list(out, unwrapped(poses().map(|p| p.heading)), |out, heading| {
-            let _ = write!(out, "{heading:?}");
-        });
-        out.push_str(r#"],"interpolation":"Linear"}}]}"#);
+        let _ = write!(out, r#""temporalProperties":[{{"datetimes":[{times}],"#);
+        measure(out, ("z", "m"), poses().map(|p| p.z));
+        out.push(',');
+        measure(out, ("heading", "rad"), unwrapped(poses().map(|p| p.heading)));
+        out.push_str("}]}");
     }
+}
+
+/// A temporal property and its unit.
+fn measure(out: &mut String, (name, unit): (&str, &str), values: impl Iterator<Item = f64>) {
+    let _ = write!(out, r#""{name}":{{"type":"Measure","form":"{unit}","values":["#);
+    list(out, values, |out, value| {
+        let _ = write!(out, "{value:?}");
+    });
+    out.push_str(r#"],"interpolation":"Linear"}"#);
 }
 
 fn list<T>(out: &mut String, items: impl Iterator<Item = T>, mut write: impl FnMut(&mut String, T)) {
@@ -126,8 +136,11 @@ mod tests {
             geometry["datetimes"],
             json!(["2000-01-01T00:01:00.000Z", "2000-01-01T00:01:00.500Z", "2000-01-01T00:01:01.250Z"])
         );
-        assert_eq!(geometry["coordinates"], json!([[12.0, 25.0, 17.0], [12.0, 26.0, 17.0], [11.0, 26.0, 16.0]]));
-        let heading = feature["temporalProperties"][0]["heading"]["values"][2].as_f64().unwrap();
+        assert_eq!(geometry["coordinates"], json!([[12.0, 25.0], [12.0, 26.0], [11.0, 26.0]]));
+        let properties = &feature["temporalProperties"][0];
+        assert_eq!(properties["datetimes"], geometry["datetimes"]);
+        assert_eq!((&properties["z"]["values"], &properties["z"]["form"]), (&json!([17.0, 17.0, 16.0]), &json!("m")));
+        let heading = properties["heading"]["values"][2].as_f64().unwrap();
         assert!((heading - (std::f64::consts::TAU - 3.1)).abs() < 1e-12, "{heading}");
     }
 

@@ -77,12 +77,22 @@ pub fn extraction_failure(error: ExtractionError) -> Failure {
     }
 }
 
+/// Why there will be no animation, where it is the client's fault: all there is to say.
+pub fn animations(errors: &[AnimationError], frames: &KeyFrames) -> Invalid {
+    let mut all = Invalid::default();
+    errors.iter().filter_map(|error| animation(error, frames)).for_each(|faults| all.extend(faults));
+    all
+}
+
 /// Why there was no animation, where it is the client's fault.
-pub fn animation(error: &AnimationError, frames: &KeyFrames) -> Option<Invalid> {
+fn animation(error: &AnimationError, frames: &KeyFrames) -> Option<Invalid> {
     use AnimationError as E;
     use ErrorCode as C;
     let at = |index: &usize| frames.pointers.get(*index).cloned().unwrap_or_else(|| "/key_frames".to_owned());
     let place = |p: &Point| format!("({}, {})", p.x, p.y);
+    let within = |index: &usize, animal: &Option<usize>| {
+        animal.map_or_else(|| at(index), |animal| format!("{}/herd/{animal}", at(index)))
+    };
     let (pointer, code, expected, found) = match error {
         E::TooFewKeyFrames { frames, herds } => (
             "/key_frames".into(),
@@ -96,15 +106,12 @@ pub fn animation(error: &AnimationError, frames: &KeyFrames) -> Option<Invalid> 
             format!("a time after {before_s} s, that of the key-frame before"),
             format!("{time_s} s"),
         ),
-        E::OffTerrain { index, place: p } => {
-            (at(index), C::OffTerrain, "places on the terrain, not in a hole of it".into(), place(p))
+        E::OffTerrain { index, animal, place: p } => {
+            (within(index, animal), C::OffTerrain, "a place on the terrain, not in a hole of it".into(), place(p))
         }
-        E::InObstacle { index, animal, place: p } => (
-            animal.map_or_else(|| at(index), |animal| format!("{}/herd/{animal}", at(index))),
-            C::InObstacle,
-            "a place outside every obstacle".into(),
-            place(p),
-        ),
+        E::InObstacle { index, animal, place: p } => {
+            (within(index, animal), C::InObstacle, "a place outside every obstacle".into(), place(p))
+        }
         E::NumbersDiffer { index, expected, found } => (
             format!("{}/herd", at(index)),
             C::NumbersDiffer,

@@ -28,6 +28,9 @@ const MOST_POSES: usize = 2_000_000;
 /// The most key-frames along a path.
 const MOST_ALONG: f64 = 20_000.0;
 
+/// Where key-frames along a path stand in a request.
+const ALONG: &str = "/along/ecosystem_herd";
+
 /// Key-frames in the order of their times.
 pub struct KeyFrames {
     /// What the herd walks through.
@@ -41,14 +44,16 @@ pub struct KeyFrames {
 /// The key-frames of a request.
 ///
 /// # Errors
-/// Those without a place or with two, references that lead nowhere, times that do not rise.
+/// Those without a place or with two, references that lead nowhere.
 pub fn open(inputs: &HerdAnimationInputs, sources: &dyn Sources) -> Result<KeyFrames, Invalid> {
     let mut all = Invalid::default();
     let mut given: Vec<(KeyFrame, String)> = Vec::new();
     for (i, input) in inputs.key_frames.iter().enumerate() {
         let pointer = format!("/key_frames/{i}");
         let before = i.checked_sub(1).map(|before| inputs.key_frames[before].time_s);
-        if let Some(before) = before.filter(|before| !(input.time_s > *before)) {
+        // Those along a path are sorted in: afterwards nobody could tell.
+        let before = before.filter(|before| inputs.along.is_some() && !(input.time_s > *before));
+        if let Some(before) = before {
             let expected = format!("a time after {before} s, that of the key-frame before");
             all.push(format!("{pointer}/time_s"), ErrorCode::TimesNotRising, expected, format!("{} s", input.time_s));
         }
@@ -65,6 +70,7 @@ pub fn open(inputs: &HerdAnimationInputs, sources: &dyn Sources) -> Result<KeyFr
         }
         given.extend(more);
         given.sort_by(|(a, _), (b, _)| a.time_s.total_cmp(&b.time_s));
+        keep_resting(&mut given);
     }
     let (frames, pointers) = given.into_iter().unzip();
     let frames = KeyFrames { frames, pointers, warnings };
@@ -98,8 +104,7 @@ fn along_path(
     given: &[(KeyFrame, String)],
     sources: &dyn Sources,
 ) -> Result<(Vec<(KeyFrame, String)>, usize), Invalid> {
-    const POINTER: &str = "/along/ecosystem_herd";
-    let herd = tie::open(&input.ecosystem_herd, POINTER, sources)?;
+    let herd = tie::open(&input.ecosystem_herd, ALONG, sources)?;
     let every_s = input.every_s.unwrap_or(EVERY_S);
     let (begin, end) = herd.span();
     let start = input.ecosystem_herd.from_s.unwrap_or(begin).max(begin);
@@ -112,9 +117,24 @@ fn along_path(
     let frame = |step: usize| {
         let t = step as f64 * every_s;
         let pose = KeyPose::Position(herd.at(start + t));
-        is_free(t).then(|| (KeyFrame { time_s: t, pose }, POINTER.to_owned()))
+        is_free(t).then(|| (KeyFrame { time_s: t, pose }, ALONG.to_owned()))
     };
     Ok(((0..=steps as usize).filter_map(frame).collect(), herd.size))
+}
+
+/// Lets a herd that rests stay where it stands: the middle of a key-herd is seldom to a stride
+/// where the path is, and nobody turns round for less than a body length.
+fn keep_resting(given: &mut [(KeyFrame, String)]) {
+    let herd = given.iter().find_map(|(frame, _)| frame.herd()).unwrap_or(&[]);
+    let length_m = 2.0 * herd.iter().map(|e| e.a).fold(0.0, f64::max);
+    for k in 1..given.len() {
+        let before = given[k - 1].0.centre();
+        if let (KeyFrame { pose: KeyPose::Position(place), .. }, ALONG) = (&mut given[k].0, given[k].1.as_str())
+            && place.distance(before) < length_m
+        {
+            *place = before;
+        }
+    }
 }
 
 impl KeyFrames {

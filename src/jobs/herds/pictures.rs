@@ -89,3 +89,29 @@ pub fn key(canvas: &mut Canvas, entries: &[(Rgb, String)]) {
 pub fn encoded(canvas: Canvas) -> Result<Artefact, Failure> {
     Ok(Artefact::Picture(Bytes::from(canvas.into_image().to_png().map_err(Failure::fault)?)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::codec::picture::MAX_PIXELS;
+
+    #[test]
+    fn suspect_animals_are_outlined_in_a_colour_of_their_own() {
+        let photo = Image { width: 200, height: 100, rgb: vec![[90, 110, 60]; 20_000] };
+        let row = |id: u64, x: f64, why: &str| {
+            let ellipse = Ellipse { centre: Point::new(x, 50.0), a: 30.0, b: 14.0, theta: 0.0 };
+            Row { id, ellipse, why: why.to_owned() }
+        };
+        let Ok(Artefact::Picture(png)) = overlay(&photo, &[row(0, 50.0, ""), row(1, 150.0, "size")]) else {
+            panic!("no picture")
+        };
+        let drawn = Image::read(&png, MAX_PIXELS).unwrap();
+        assert_eq!((drawn.width, drawn.height), (200, 100 + KEY));
+        let of = |colour: Rgb, columns: std::ops::Range<usize>| {
+            let is = |(x, y): &(usize, usize)| drawn.rgb[y * drawn.width + x] == colour;
+            (0..100).flat_map(|y| columns.clone().map(move |x| (x, y))).filter(is).count()
+        };
+        assert!(of(SURE, 0..100) > 100 && of(SUSPECT, 100..200) > 100);
+        assert_eq!((of(SUSPECT, 0..100), of(SURE, 100..200)), (0, 0));
+    }
+}

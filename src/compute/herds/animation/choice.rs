@@ -1,6 +1,8 @@
 //! What each animal makes of a step, from what all were doing a moment ago.
 
 use super::AnimationOptions;
+use super::aim::Aim;
+use super::aim::STILL;
 use super::guides::Guides;
 use super::guides::Posture;
 use super::guides::Progress;
@@ -18,15 +20,6 @@ use crate::compute::geometry::CellGrid;
 use crate::compute::geometry::Point;
 use crate::compute::herds::contact::Footprint;
 
-/// How far an animal looks past an obstacle, in which steps it turns to look, and how many of
-/// them (ours).
-const VIEW_BODY_LENGTHS: f64 = 5.0;
-const VIEW_STEP_RAD: f64 = 0.26;
-const VIEW_STEPS: i32 = 6;
-
-/// How far along its way round obstacles an animal looks (ours).
-const WAY_BODY_LENGTHS: f64 = 8.0;
-
 /// An animal on its way round goes at least at this share of what it can (ours).
 const DETOUR_PACE: f64 = 0.6;
 
@@ -34,16 +27,13 @@ const DETOUR_PACE: f64 = 0.6;
 /// a cliff twice is enough.
 const CUTS: usize = 8;
 
-/// A guide slower than this share of V_max stands still (ours).
-const STILL: f64 = 0.05;
-
 /// All that animals look at in a step; the same for all.
 pub(super) struct Scene<'a> {
-    progress: Progress,
-    movers: &'a [Mover],
+    pub progress: Progress,
+    pub movers: &'a [Mover],
     velocities: Vec<Point>,
-    guides: Vec<Point>,
-    guide_velocities: Vec<Point>,
+    pub guides: Vec<Point>,
+    pub guide_velocities: Vec<Point>,
     /// The bodies as they are.
     pub prints: Vec<Footprint>,
     /// The animals by place.
@@ -51,8 +41,8 @@ pub(super) struct Scene<'a> {
     posture: Posture<'a>,
     /// Whether the formation ahead is nearer than the one behind, and how much it counts.
     key: (bool, f64),
-    step_s: f64,
-    past: Past<'a>,
+    pub step_s: f64,
+    pub past: Past<'a>,
 }
 
 /// What animals know besides what they see.
@@ -78,15 +68,6 @@ impl Move {
         let of = |to: &Mover| to.place.distance(was.place) + a * wrapped(to.heading - was.heading).abs();
         self.tries.iter().map(of).fold(0.0, f64::max)
     }
-}
-
-/// What an animal heads for.
-#[derive(Clone, Copy)]
-enum Aim {
-    /// Its guide, at this place.
-    Guide(Point),
-    /// A place beside what hides the guide or where that goes.
-    Detour(Point),
 }
 
 /// Chooses the animals' steps.
@@ -134,7 +115,7 @@ impl Chooser<'_> {
         let (mover, body, gait) = (&scene.movers[i], self.guides.bodies[i], &self.options.gait);
         // 1. Where to, and how fast the slope in that direction lets it go.
         let aim = self.aim(i, scene);
-        let (Aim::Guide(target) | Aim::Detour(target)) = aim;
+        let (Aim::Guide(target) | Aim::Detour(target) | Aim::Meeting(target, _)) = aim;
         let off = target - mover.place;
         let course = off.normalised().unwrap_or_else(|| Point::from_angle(mover.course));
         let factor = Gait::slope_factor(self.ground.slope(mover.place, course));
@@ -145,6 +126,7 @@ impl Chooser<'_> {
         let wanted = match aim {
             Aim::Guide(place) => steering.follow(mover.place, place, scene.guide_velocities[i]),
             Aim::Detour(_) => course * follow.norm().clamp(DETOUR_PACE * limit, limit),
+            Aim::Meeting(_, speed) => course * speed.min(limit),
         };
         let lost = (scene.guides[i].distance(mover.place) / (4.0 * body.0)).min(1.0);
         let company = self.company(i, scene);
@@ -172,60 +154,8 @@ impl Chooser<'_> {
         let straight = self.admitted(mover, straight, (body.1, scene.step_s)).0;
         Move {
             tries: [to, if gives_way && straight.speed == 0.0 { turned } else { straight }, turned],
-            blocked: !free || matches!(aim, Aim::Detour(_)),
+            blocked: !free || !matches!(aim, Aim::Guide(_)),
         }
-    }
-
-    /// What animal `i` heads for: its guide, while it sees it and where that will be; else what it
-    /// sees of the way round all obstacles, the nearest free direction past what is between, or
-    /// the farthest place on the herd's path that it can see.
-    fn aim(&self, i: usize, scene: &Scene<'_>) -> Aim {
-        let (place, clearance, half) = (scene.movers[i].place, self.ground.clearance(), self.guides.bodies[i].1);
-        if clearance.is_open() {
-            return Aim::Guide(scene.guides[i]);
-        }
-        let velocity = scene.guide_velocities[i];
-        let later = scene.guides[i] + velocity * self.options.steering.foresight_s;
-        let (guide, soon) = (self.beside(scene.guides[i], half), self.beside(later, half));
-        let room = clearance.at(place).min(half);
-        let sees = |q: Point| clearance.sees(place, q, room.min(clearance.at(q)).max(0.0));
-        // A guide that walks through an obstacle is not followed to its rim, but met behind it.
-        let walks = velocity.norm() > STILL * self.options.gait.max_speed_m_per_s;
-        let hidden = walks && (clearance.at(scene.guides[i]) < half || clearance.at(later) < half);
-        if !hidden && sees(soon) && sees(guide) {
-            return Aim::Guide(guide);
-        }
-        // Who is ahead of its guide only looks round what is between.
-        let behind = scene.past.ways.filter(|ways| hidden || ways.is_behind(place, soon));
-        let reach = WAY_BODY_LENGTHS * 2.0 * self.longest;
-        let way = behind.and_then(|ways| ways.ahead(place, reach, sees));
-        let way = way
-            .or_else(|| self.detour(&scene.movers[i], soon, sees))
-            .or_else(|| self.guides.rejoin(place, scene.progress, sees));
-        way.map_or(Aim::Guide(guide), Aim::Detour)
-    }
-
-    /// A guide inside an obstacle stands beside it.
-    fn beside(&self, mut guide: Point, half: f64) -> Point {
-        let clearance = self.ground.clearance();
-        for _ in 0..8 {
-            let lack = 1.1 * half - clearance.at(guide);
-            match clearance.away(guide) {
-                Some(away) if lack > 0.0 => guide = guide + away * (lack + 0.1 * half),
-                _ => break,
-            }
-        }
-        guide
-    }
-
-    /// A place beside what stands between an animal and its guide: the free direction that turns
-    /// least from the guide, the side it already looks to first.
-    fn detour(&self, mover: &Mover, guide: Point, sees: impl Fn(Point) -> bool) -> Option<Point> {
-        let to_guide = guide - mover.place;
-        let ray = to_guide.normalised()? * to_guide.norm().min(VIEW_BODY_LENGTHS * 2.0 * self.longest);
-        let side = if ray.cross(Point::from_angle(mover.heading)) >= 0.0 { 1.0 } else { -1.0 };
-        let turns = (1..=VIEW_STEPS).flat_map(|k| [side, -side].map(|s| s * f64::from(k) * VIEW_STEP_RAD));
-        turns.map(|turn| mover.place + ray.rotated(turn)).find(|q| sees(*q))
     }
 
     fn company(&self, i: usize, scene: &Scene<'_>) -> Company {

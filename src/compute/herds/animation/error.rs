@@ -28,6 +28,8 @@ pub enum AnimationError {
     OffTerrain {
         /// Which key-frame.
         index: usize,
+        /// Which of its animals; `None` for its centre.
+        animal: Option<usize>,
         /// Where, in metres.
         place: Point,
     },

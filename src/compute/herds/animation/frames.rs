@@ -4,6 +4,7 @@ use crate::compute::geometry::Ellipse;
 use crate::compute::geometry::Point;
 use crate::compute::herds::Obstacles;
 use crate::compute::raster::Raster;
+use std::cmp::Ordering;
 
 /// Where the herd is to be at a time.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,34 +67,46 @@ pub(super) fn width(frames: &[KeyFrame]) -> Width {
     Width { least_m, ample_m: frames.iter().map(spread).fold(2.0 * body, f64::max) }
 }
 
-/// Refuses key-frames that make no animation.
-pub(super) fn check(terrain: &Raster<f32>, obstacles: &Obstacles, frames: &[KeyFrame]) -> Result<(), AnimationError> {
+/// The most faults of a list of key-frames that are told (ours): a herd that stands off the terrain
+/// is seen from fewer.
+const MOST_FAULTS: usize = 100;
+
+/// Everything that keeps key-frames from making an animation, at most [`MOST_FAULTS`].
+pub(super) fn faults(terrain: &Raster<f32>, obstacles: &Obstacles, frames: &[KeyFrame]) -> Vec<AnimationError> {
     let expected = first_herd(frames).len();
-    if frames.len() < 2 || expected == 0 {
-        let herds = frames.iter().filter(|f| f.herd().is_some_and(|h| !h.is_empty())).count();
-        return Err(AnimationError::TooFewKeyFrames { frames: frames.len(), herds });
-    }
-    for (index, frame) in frames.iter().enumerate() {
-        if let Some(before) = index.checked_sub(1).map(|i| frames[i].time_s)
-            && frame.time_s.partial_cmp(&before) != Some(std::cmp::Ordering::Greater)
-        {
-            return Err(AnimationError::TimesNotRising { index, time_s: frame.time_s, before_s: before });
-        }
-        if let Some(found) = frame.herd().map(<[Ellipse]>::len).filter(|found| *found != expected) {
-            return Err(AnimationError::NumbersDiffer { index, expected, found });
-        }
+    let herds = frames.iter().filter(|f| f.herd().is_some_and(|h| !h.is_empty())).count();
+    let few = AnimationError::TooFewKeyFrames { frames: frames.len(), herds };
+    let too_few = (frames.len() < 2 || expected == 0).then_some(few);
+    let of = |index: usize| {
+        let herd = frames[index].herd();
+        let before_s = index.checked_sub(1).map(|before| frames[before].time_s);
+        let number = herd.map(<[Ellipse]>::len).filter(|found| *found != expected);
+        let number = number.map(|found| AnimationError::NumbersDiffer { index, expected, found });
         // The mean of the animals may fall into an obstacle that the herd surrounds.
-        let centre = frame.herd().is_none().then(|| (None, frame.centre()));
-        let animals = frame.herd().unwrap_or(&[]).iter().enumerate().map(|(i, e)| (Some(i), e.centre));
-        for (animal, place) in centre.into_iter().chain(animals) {
-            let height = place.is_finite().then(|| terrain.at(place)).flatten();
-            if height.is_none_or(|z| !z.is_finite()) {
-                return Err(AnimationError::OffTerrain { index, place });
-            }
-            if obstacles.hold(place) {
-                return Err(AnimationError::InObstacle { index, animal, place });
-            }
-        }
+        let centre = herd.is_none().then(|| (None, frames[index].centre()));
+        let animals = herd.unwrap_or(&[]).iter().enumerate().map(|(i, e)| (Some(i), e.centre));
+        let places = centre.into_iter().chain(animals);
+        let misplaced = places.filter_map(move |(animal, place)| misplaced(terrain, obstacles, (index, animal, place)));
+        out_of_order(index, before_s, frames[index].time_s).into_iter().chain(number).chain(misplaced)
+    };
+    too_few.into_iter().chain((0..frames.len()).flat_map(of)).take(MOST_FAULTS).collect()
+}
+
+fn out_of_order(index: usize, before_s: Option<f64>, time_s: f64) -> Option<AnimationError> {
+    let before_s = before_s.unwrap_or(f64::NEG_INFINITY);
+    (!time_s.is_finite() || time_s.partial_cmp(&before_s) != Some(Ordering::Greater))
+        .then_some(AnimationError::TimesNotRising { index, time_s, before_s })
+}
+
+/// Why there can be no animal, or no middle of a herd, at a place.
+fn misplaced(
+    terrain: &Raster<f32>,
+    obstacles: &Obstacles,
+    (index, animal, place): (usize, Option<usize>, Point),
+) -> Option<AnimationError> {
+    let height = place.is_finite().then(|| terrain.at(place)).flatten();
+    if height.is_none_or(|z| !z.is_finite()) {
+        return Some(AnimationError::OffTerrain { index, animal, place });
     }
-    Ok(())
+    obstacles.hold(place).then_some(AnimationError::InObstacle { index, animal, place })
 }

@@ -315,3 +315,69 @@ fn room(herd: &[Ellipse]) -> f64 {
     let sum: f64 = (0..herd.len()).map(of).sum();
     (sum / herd.len().max(1) as f64).max(1.0 / MAX_SPREAD)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::KeyPose;
+    use super::*;
+
+    fn ellipse(x: f64, y: f64, theta: f64) -> Ellipse {
+        Ellipse { centre: Point::new(x, y), a: 1.2, b: 0.5, theta }
+    }
+
+    #[test]
+    fn guides_go_straight_in_the_herd_frame_from_their_places_to_those_of_the_key_herd_ahead() {
+        let from = vec![ellipse(0.0, 0.0, 0.0), ellipse(0.0, 9.0, 0.1), ellipse(6.0, 4.0, -0.2)];
+        let to = vec![ellipse(100.0, 60.0, 1.0), ellipse(92.0, 66.0, 1.2), ellipse(104.0, 74.0, 0.8)];
+        let frames = [
+            KeyFrame { time_s: 0.0, pose: KeyPose::Herd(from.clone()) },
+            KeyFrame { time_s: 50.0, pose: KeyPose::Position(Point::new(60.0, 10.0)) },
+            KeyFrame { time_s: 90.0, pose: KeyPose::Herd(to.clone()) },
+        ];
+        let path = Trajectory::on_open_ground(&frames::centres(&frames), 5.0).unwrap();
+        let guides = Guides::new(&frames, &path, PairingMetric::Euclidean, &Run::silent()).unwrap();
+        assert_eq!((guides.len(), guides.intervals()), (3, 2));
+        assert!(!guides.ends_in_herd(0) && guides.ends_in_herd(1));
+        let (start, end) = (
+            guides.straight(Progress { interval: 0, share: 0.0 }),
+            guides.straight(Progress { interval: 1, share: 1.0 }),
+        );
+        let (first, last) = (guides.frame(0.0), guides.frame(path.length()));
+        let mut ends = Vec::new();
+        for i in 0..3 {
+            assert!(start.place(i).distance(from[i].centre) < 1e-9, "{i}");
+            ends.extend(to.iter().position(|e| e.centre.distance(end.place(i)) < 1e-9));
+            let (a, b) = (first.to_local(start.place(i)), last.to_local(end.place(i)));
+            let mut gone = 0.0;
+            for (interval, share) in [(0, 0.3), (0, 0.7), (0, 1.0), (1, 0.0), (1, 0.5), (1, 0.9)] {
+                let progress = Progress { interval, share };
+                let local = guides.frame(guides.arc_length(progress)).to_local(guides.straight(progress).place(i));
+                let (along, whole) = ((local - a).dot(b - a), (b - a).dot(b - a));
+                assert!((local - a).cross(b - a).abs() < 1e-9 * (1.0 + whole), "{i} strays at {progress:?}");
+                assert!(along >= gone - 1e-9 && along <= whole * (1.0 + 1e-9), "{i} goes back at {progress:?}");
+                gone = along;
+            }
+        }
+        ends.sort_unstable();
+        assert_eq!(ends, [0, 1, 2], "every place of the key-herd ahead is somebody's");
+    }
+
+    #[test]
+    fn a_packed_herd_opens_out_on_the_way_and_a_loose_one_does_not() {
+        let herd = |spacing: f64, x: f64| -> Vec<Ellipse> {
+            (0..36).map(|i| ellipse(x + f64::from(i % 6) * 2.4 * spacing, f64::from(i / 6) * spacing, 0.0)).collect()
+        };
+        for (spacing, opens) in [(1.05, true), (2.2, false)] {
+            let frames = [(0.0, 0.0), (90.0, 150.0)]
+                .map(|(time_s, x)| KeyFrame { time_s, pose: KeyPose::Herd(herd(spacing, x)) });
+            let path = Trajectory::on_open_ground(&frames::centres(&frames), 5.0).unwrap();
+            let guides = Guides::new(&frames, &path, PairingMetric::Euclidean, &Run::silent()).unwrap();
+            let wide = |share: f64| {
+                let posture = guides.posture(Progress { interval: 0, share });
+                posture.place(0).distance(posture.place(35))
+            };
+            assert!((wide(0.0) - wide(1.0)).abs() < 1e-9);
+            assert_eq!(wide(0.5) > 1.2 * wide(0.0), opens, "{spacing}: {} {}", wide(0.0), wide(0.5));
+        }
+    }
+}

@@ -2,6 +2,7 @@
 //! key-frames, animals paired by optimal transport, guides that move straight in the herd frame,
 //! and a steering simulation that follows them.
 
+mod aim;
 mod choice;
 mod error;
 mod frames;
@@ -75,20 +76,21 @@ pub struct Animation {
     pub trajectory: Trajectory,
 }
 
-/// Whether `frames` make an animation with these options, as far as it can be said before work
-/// begins.
-///
-/// # Errors
-/// Key-frames that make no path, options out of range, tracks too large: see [`AnimationError`].
-pub fn check(
+/// Everything that keeps `frames` and `options` from making an animation, as far as it can be said
+/// before work begins: key-frames that make no path, options out of range, tracks too large. Empty
+/// when nothing does.
+pub fn faults(
     terrain: &Raster<f32>,
     obstacles: &Obstacles,
     frames: &[KeyFrame],
     options: &AnimationOptions,
-) -> Result<(), AnimationError> {
-    frames::check(terrain, obstacles, frames)?;
-    options.check()?;
-    tracks::Plan::new(frames, options).map(drop)
+) -> Vec<AnimationError> {
+    let mut all = frames::faults(terrain, obstacles, frames);
+    all.extend(options.faults());
+    if all.is_empty() {
+        all.extend(tracks::Plan::new(frames, options).err());
+    }
+    all
 }
 
 /// Lets a herd walk over `terrain` (heights in metres) through `frames`.
@@ -104,8 +106,7 @@ pub fn animate(
     run: &Run,
 ) -> Result<Animation, AnimationError> {
     // 1. Everything is checked before work begins.
-    frames::check(terrain, obstacles, frames)?;
-    options.check()?;
+    faults(terrain, obstacles, frames, options).into_iter().next().map_or(Ok(()), Err)?;
     let plan = tracks::Plan::new(frames, options)?;
     // 2. A clearance map of the surroundings, and a spline through the key-frames on it.
     let ground = terrain::Ground::new(terrain, obstacles, frames, run)?;
@@ -121,17 +122,14 @@ pub fn animate(
 }
 
 impl AnimationOptions {
-    fn check(&self) -> Result<(), AnimationError> {
-        self.pairing.check()?;
-        self.gait.check()?;
-        self.steering.check()?;
-        let bad = |field, expected, found| Err(AnimationError::BadOption { field, expected, found });
-        if !(0.001..=5.0).contains(&self.step_s) {
-            return bad("step_s", "from 0.001 to 5", self.step_s);
-        }
-        if self.keep_every == 0 {
-            return bad("keep_every", "at least 1", 0.0);
-        }
-        Ok(())
+    fn faults(&self) -> Vec<AnimationError> {
+        let step = !(0.001..=5.0).contains(&self.step_s);
+        let bad = |field, expected, found| AnimationError::BadOption { field, expected, found };
+        let own = [
+            step.then(|| bad("step_s", "from 0.001 to 5", self.step_s)),
+            (self.keep_every == 0).then(|| bad("keep_every", "at least 1", 0.0)),
+        ];
+        let parts = [self.pairing.check(), self.gait.check(), self.steering.check()];
+        parts.into_iter().filter_map(Result::err).chain(own.into_iter().flatten()).collect()
     }
 }

@@ -57,6 +57,10 @@ impl Gait {
     }
 }
 
+/// Seconds in which an animal answers to a wish to turn (ours): in as long it has made up all but a
+/// third of what its heading lacks. Without it every change of mind is a jerk of the body.
+const ANSWER_S: f64 = 0.3;
+
 /// An animal on the move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Mover {
@@ -117,10 +121,11 @@ impl Mover {
         }
         let goal = if wanted > 0.0 { wish.velocity.angle() } else { self.course };
         let lean = (wish.key_weight * wrapped(wish.key_heading - goal)).clamp(-gait.max_slip_rad, gait.max_slip_rad);
-        let heading = self.heading + wrapped(goal + lean - self.heading).clamp(-turn, turn);
+        let answer = 1.0 - libm::exp(-step_s / ANSWER_S);
+        let heading = self.heading + (answer * wrapped(goal + lean - self.heading)).clamp(-turn, turn);
         let was = if self.speed > 0.0 { self.course } else { self.heading };
         // Both bounds can be kept: the old course is within the slip of the old heading.
-        let course = was + wrapped(goal - was).clamp(-turn, turn);
+        let course = was + (answer * wrapped(goal - was)).clamp(-turn, turn);
         let course = heading + wrapped(course - heading).clamp(-gait.max_slip_rad, gait.max_slip_rad);
         let ahead = wanted * libm::cos(wrapped(goal - course)).max(0.0);
         let speed = ahead.clamp(self.speed - gain, self.speed + gain).min(wish.limit).max(0.0);

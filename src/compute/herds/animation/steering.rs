@@ -176,3 +176,105 @@ impl Company {
         self.apart * (steering.separation * speed) + align + centre * (steering.cohesion * speed * lost)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::KeyFrame;
+    use super::super::KeyPose;
+    use super::*;
+    use crate::compute::geometry::Ellipse;
+    use crate::compute::herds::Obstacles;
+    use crate::compute::raster::Grid;
+    use crate::compute::raster::Raster;
+    use crate::compute::run::Run;
+
+    fn animal(x: f64, y: f64) -> Footprint {
+        Footprint::new(&Ellipse { centre: Point::new(x, y), a: 1.2, b: 0.5, theta: 0.0 })
+    }
+
+    /// The forces at 2 m/s on an animal at the origin that walks east at 1 m/s.
+    fn force(neighbours: &[(Footprint, Point, f64)], steering: &Steering, lost: f64) -> Point {
+        let mut company = Company::new();
+        for (print, velocity, guides_apart) in neighbours {
+            let neighbour = Neighbour { print, velocity: *velocity, guides_apart: *guides_apart, yields: false };
+            company.meet(&animal(0.0, 0.0), &neighbour);
+        }
+        let mover = Mover { speed: 1.0, ..Mover::standing(Point::default(), 0.0) };
+        company.forces(steering, &mover, (2.0, lost))
+    }
+
+    const ALONE: Steering = Steering {
+        separation: 0.0,
+        alignment: 0.0,
+        cohesion: 0.0,
+        avoidance: 0.0,
+        following_s: 1.0,
+        foresight_s: 2.0,
+        neighbourhood_body_lengths: 2.0,
+    };
+
+    const EAST: Point = Point { x: 1.0, y: 0.0 };
+
+    #[test]
+    fn a_guide_gives_its_velocity_and_what_is_lacking_to_it() {
+        let steering = Steering { following_s: 2.0, ..ALONE };
+        let force = steering.follow(Point::new(1.0, 1.0), Point::new(5.0, 3.0), Point::new(0.5, -0.5));
+        assert_eq!(force, Point::new(2.5, 0.5));
+    }
+
+    #[test]
+    fn separation_pushes_off_who_is_nearer_than_its_guide_and_nobody_else() {
+        let separation = Steering { separation: 1.0, ..ALONE };
+        let beside = force(&[(animal(0.0, 1.1), EAST, 2.0)], &separation, 0.0);
+        assert!(beside.y < -0.5 && beside.x.abs() < 1e-9, "{beside:?}");
+        let nearer = force(&[(animal(0.0, 1.02), EAST, 2.0)], &separation, 0.0);
+        assert!(nearer.y < beside.y, "{nearer:?}");
+        assert_eq!(force(&[(animal(0.0, 1.5), EAST, 2.0)], &separation, 0.0), Point::default());
+        // Those whose guides are as near may be.
+        assert_eq!(force(&[(animal(0.0, 1.1), EAST, 1.1)], &separation, 0.0), Point::default());
+        assert_eq!(force(&[(animal(0.0, 1.1), EAST, 2.0)], &ALONE, 0.0), Point::default());
+    }
+
+    #[test]
+    fn alignment_takes_on_the_neighbours_velocity_away_from_the_guide() {
+        let alignment = Steering { alignment: 0.5, ..ALONE };
+        let north = Point::new(0.0, 2.0);
+        let neighbours = [(animal(0.0, 4.0), north, 4.0), (animal(3.0, -4.0), north, 5.0)];
+        assert_eq!(force(&neighbours, &alignment, 1.0), Point::new(-0.5, 1.0));
+        assert_eq!(force(&neighbours, &alignment, 0.5), Point::new(-0.25, 0.5));
+        assert_eq!(force(&neighbours, &alignment, 0.0), Point::default());
+    }
+
+    #[test]
+    fn cohesion_draws_to_the_middle_of_the_neighbours_away_from_the_guide() {
+        let cohesion = Steering { cohesion: 0.5, ..ALONE };
+        let neighbours = [(animal(-3.0, 4.0), EAST, 5.0), (animal(3.0, 4.0), EAST, 5.0)];
+        let drawn = force(&neighbours, &cohesion, 1.0);
+        assert!((drawn.y - 1.0).abs() < 1e-9 && drawn.x.abs() < 1e-9, "{drawn:?}");
+        assert_eq!(force(&neighbours, &cohesion, 0.0), Point::default());
+        assert_eq!(force(&[], &cohesion, 1.0), Point::default());
+    }
+
+    #[test]
+    fn obstacles_push_off_where_a_collision_is_predicted_but_never_back() {
+        let terrain = Raster::filled(Grid::new(60, 60, 1.0), 0f32);
+        let rock = Obstacles { disks: vec![(Point::new(30.0, 30.0), 3.0)], ..Obstacles::default() };
+        let body = Ellipse { centre: Point::new(20.0, 29.0), a: 1.2, b: 0.5, theta: 0.0 };
+        let frames = [
+            KeyFrame { time_s: 0.0, pose: KeyPose::Herd(vec![body]) },
+            KeyFrame { time_s: 9.0, pose: KeyPose::Position(Point::new(40.0, 29.0)) },
+        ];
+        let ground = Ground::new(&terrain, &rock, &frames, &Run::silent()).unwrap();
+        let steering = Steering { avoidance: 1.0, ..ALONE };
+        let push = |x: f64, y: f64, heading: f64| {
+            let mover = Mover { speed: 2.0, ..Mover::standing(Point::new(x, y), heading) };
+            steering.avoid(&mover, &ground, (Point::from_angle(heading), 0.5, 2.0))
+        };
+        // It passes the rock's south side in two seconds, then in ten.
+        let near = push(23.0, 28.5, 0.0);
+        assert!(near.y < -0.1 && near.x >= -1e-9, "{near:?}");
+        assert_eq!(push(8.0, 28.5, 0.0), Point::default());
+        // Away from the rock nothing pushes.
+        assert_eq!(push(23.0, 28.5, std::f64::consts::PI), Point::default());
+    }
+}
