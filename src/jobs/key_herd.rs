@@ -13,6 +13,7 @@ use serde_json::Value;
 
 use crate::codec::map::Georeference;
 use crate::compute::geometry::Ellipse;
+use crate::compute::geometry::Point;
 use crate::compute::herds::Obstacles;
 use crate::compute::herds::key_herd;
 use crate::compute::herds::key_herd::DensitySource;
@@ -79,6 +80,9 @@ impl Process for KeyHerd {
             let expected = format!("at most the length, {} m", inputs.body.length_m);
             all.push("/body/width_m", ErrorCode::Inconsistent, expected, inputs.body.width_m);
         }
+        if let (Some(place), Some(Some(land)), Some(density)) = (&place, &land, &density) {
+            all.extend(off_terrain(place, land, density));
+        }
         all.into_result()?;
         match (exemplar, place, count, obstacles, density) {
             (Some(exemplar), Some(place), Some(count), Some(obstacles), Some(density)) => {
@@ -126,6 +130,19 @@ fn exemplar(inputs: &KeyHerdInputs, sources: &dyn Sources) -> Result<Vec<Ellipse
         return Err(Invalid::new(POINTER, ErrorCode::WrongCount, "at least one animal", "none"));
     }
     ellipses::ellipses(&animals, POINTER)
+}
+
+/// That a herd's middle lies off the ground it is to stand on; a painted density is itself where
+/// it stands.
+fn off_terrain(place: &Place, land: &Land, density: &DensitySource) -> Invalid {
+    if matches!(density, DensitySource::Painted(_)) || land.height.at(place.centre).is_some() {
+        return Invalid::default();
+    }
+    let grid = land.height.grid;
+    let (width, height) = (grid.width as f64 * grid.cell_m, grid.height as f64 * grid.cell_m);
+    let (min, max) = (grid.origin, grid.origin + Point::new(width, height));
+    let expected = format!("a middle of the herd on the terrain: x {} to {}, y {} to {}", min.x, max.x, min.y, max.y);
+    Invalid::new("/place", ErrorCode::OffTerrain, expected, format!("({}, {})", place.centre.x, place.centre.y))
 }
 
 /// Number of animals: as asked, or the size of the ecosystem's herd.

@@ -101,15 +101,31 @@ fn report(error: &ValidationError<'_>, base: &str, faults: &mut Invalid) {
     }
 }
 
-/// Of several forms that all failed, reports the faults of the one that came nearest: the value
-/// was of its JSON type and the fewest faults were found; none stands out: that no form fits.
+/// Of several forms that all failed, reports the faults of the one that was meant: the value is of
+/// its JSON type, it has its fixed words, such as the name of a variant, and the fewest faults were
+/// found. Where none has, all the words there are; where none is of the type, that no form fits.
 fn report_nearest(forms: &[Vec<ValidationError<'static>>], pointer: &str, found: &str, faults: &mut Invalid) {
     let near: Vec<_> =
         forms.iter().filter(|errors| !errors.iter().any(|error| is_of_another_type(error, pointer))).collect();
-    match near.iter().min_by_key(|errors| errors.len()) {
+    let words: Vec<_> = near.iter().filter_map(|errors| errors.iter().find_map(word)).collect();
+    if let [(place, _, found), _, ..] = words.as_slice()
+        && words.len() == near.len()
+        && words.iter().all(|(other, ..)| other == place)
+    {
+        let all: Vec<&str> = words.iter().map(|(_, word, _)| word.as_str()).collect();
+        return faults.push(place.clone(), ErrorCode::NotOneOf, format!("one of {}", all.join(", ")), found);
+    }
+    let meant = near.iter().min_by_key(|errors| (errors.iter().any(|error| word(error).is_some()), errors.len()));
+    match meant {
         Some(errors) => errors.iter().for_each(|error| report(error, "", faults)),
         None => faults.push(pointer, ErrorCode::Mismatch, "one of the forms described", found),
     }
+}
+
+/// The fixed word that a form asks for, where, and what is there instead.
+fn word(error: &ValidationError<'_>) -> Option<(String, String, String)> {
+    let ValidationErrorKind::Constant { expected_value } = error.kind() else { return None };
+    Some((error.instance_path().to_string(), expected_value.to_string(), shown(error.instance())))
 }
 
 /// Whether the value at `pointer` as a whole is of another JSON type than the form asks for.
@@ -157,6 +173,19 @@ mod tests {
         path: Option<Given<Vec<Point>>>,
         #[schemars(range(min = 1, max = 9))]
         count: Option<u64>,
+        shape: Option<Shape>,
+    }
+
+    #[derive(Debug, Deserialize, JsonSchema)]
+    #[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
+    #[expect(dead_code, reason = "only its schema is looked at")]
+    enum Shape {
+        /// A point.
+        Dot,
+        /// Round.
+        Disk { radius: f64, filled: bool },
+        /// Even.
+        Square { side: f64 },
     }
 
     #[derive(Debug, Deserialize, JsonSchema)]
@@ -194,6 +223,20 @@ mod tests {
         let found = faults(json!({"terrain": terrain, "path": [{"x": 1, "y": "two"}, {"x": 1}]}));
         assert_eq!(found, [fault("/path/0/y", "wrong-type"), fault("/path/1/y", "missing")]);
         assert_eq!(faults(json!({"terrain": 5})), [fault("/terrain", "mismatch")]);
+    }
+
+    #[test]
+    fn of_several_variants_the_one_that_is_named_is_reported() {
+        let of = |shape: Value| faults(json!({"terrain": {"href": "/assets/x"}, "shape": shape}));
+        assert_eq!(of(json!({"type": "disk", "radius": 2, "filled": true})), []);
+        assert_eq!(of(json!({"type": "disk"})), [fault("/shape/filled", "missing"), fault("/shape/radius", "missing")]);
+        assert_eq!(of(json!({"type": "square", "side": "long"})), [fault("/shape/side", "wrong-type")]);
+        let check = InputCheck::new(&inputs_schema::<Inputs>()).unwrap();
+        let blob = json!({"terrain": {"href": "/assets/x"}, "shape": {"type": "blob", "side": 3}});
+        let found = check.check(&blob).unwrap_err().errors;
+        assert_eq!((found.len(), found[0].pointer.as_str(), found[0].code.as_str()), (1, "/shape/type", "not-one-of"));
+        assert_eq!(found[0].expected, r#"one of "dot", "disk", "square""#);
+        assert_eq!(found[0].found, r#""blob""#);
     }
 
     #[test]

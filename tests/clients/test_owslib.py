@@ -1,12 +1,19 @@
 """OWSLib, unchanged, drives the service: list, describe, execute, poll, fetch."""
 
+import datetime
+import importlib
 import json
+import math
+import sys
+import types
 
 import pytest
 import requests
 from owslib.ogcapi.processes import Processes
 
 from conftest import ROOT, wait_for
+
+EPOCH = datetime.datetime(2000, 1, 1)
 
 EXAMPLES = sorted(p for p in (ROOT / "api/examples").glob("*.json"))
 
@@ -125,5 +132,30 @@ def test_the_tracks_are_moving_features(server, runner):
         assert track["type"] == "MovingPoint" and track["interpolation"] == "Linear"
         assert len(track["datetimes"]) == len(track["coordinates"]) and track["datetimes"] == sorted(track["datetimes"])
         assert track["datetimes"][0] == "2000-01-01T00:00:00.000Z"
-        headings = feature["temporalProperties"][0]
-        assert len(headings["heading"]["values"]) == len(headings["datetimes"])
+        properties = feature["temporalProperties"][0]
+        assert properties["datetimes"] == track["datetimes"]
+        assert all(len(properties[name]["values"]) == len(track["datetimes"]) for name in ("z", "heading"))
+
+
+def movingpandas():
+    """MovingPandas without what it draws with, which is three times as large as all the rest."""
+    for name in ("matplotlib", "matplotlib.pyplot"):
+        sys.modules.setdefault(name, types.ModuleType(name))
+    return importlib.import_module("movingpandas.io")
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_the_tracks_open_in_movingpandas(server, runner):
+    job = runner.run(ROOT / "api/examples/herd-animation-ecosystem.json")
+    features = requests.get(server + job + "/results/tracks.mfjson").json()
+    rows = requests.get(server + job + "/results/tracks", headers={"Accept": "application/json"}).json()
+    herd = movingpandas().read_mf_dict(features, traj_id_property="id")
+    assert len(herd.trajectories) == 6
+    for track in herd.trajectories:
+        own, frame = [row for row in rows if row["id"] == track.id], track.df
+        assert [(p.x, p.y) for p in frame.geometry] == [(row["x"], row["y"]) for row in own]
+        assert list(frame["z"]) == [row["z"] for row in own]
+        seconds = [(t - EPOCH).total_seconds() for t in frame.index.to_pydatetime()]
+        assert seconds == pytest.approx([row["t"] for row in own], abs=1e-3)
+        turns = [(a - row["heading"]) / (2 * math.pi) for a, row in zip(frame["heading"], own)]
+        assert turns == pytest.approx([round(turn) for turn in turns], abs=1e-9)

@@ -251,6 +251,19 @@ pub mod key_herd {
     }
 
     #[test]
+    fn a_herd_off_the_terrain_is_refused_unless_a_painted_density_says_where_it_stands() {
+        let away = |i: &mut Value| i["place"]["position"] = json!([500, 50]);
+        refused(with(away), "/place", "off-terrain");
+        let painted = "ncols 2\nnrows 2\nxllcorner 20\nyllcorner 20\ncellsize 30\n1 1\n1 1\n";
+        let map = json!({"type": "painted", "map": {"raster": {"value": painted, "mediaType": "text/plain"}}});
+        let elsewhere = with(|i| {
+            away(i);
+            i["density"] = map.clone();
+        });
+        assert_eq!(faults(&KeyHerd, &elsewhere), []);
+    }
+
+    #[test]
     fn a_herd_that_an_ecosystem_does_not_have_is_refused() {
         let csv = |text: &str| json!({"value": text, "mediaType": "text/csv"});
         let herd = |number: u64, from_s: f64| {
