@@ -229,7 +229,7 @@ mod tests {
     fn of_several_variants_the_one_that_is_named_is_reported() {
         let of = |shape: Value| faults(json!({"terrain": {"href": "/assets/x"}, "shape": shape}));
         assert_eq!(of(json!({"type": "disk", "radius": 2, "filled": true})), []);
-        assert_eq!(of(json!({"type": "disk"})), [fault("/shape/filled", "missing"), fault("/shape/radius", "missing")]);
+        assert_eq!(of(json!({"type": "disk"})), [fault("/shape/radius", "missing"), fault("/shape/filled", "missing")]);
         assert_eq!(of(json!({"type": "square", "side": "long"})), [fault("/shape/side", "wrong-type")]);
         let check = InputCheck::new(&inputs_schema::<Inputs>()).unwrap();
         let blob = json!({"terrain": {"href": "/assets/x"}, "shape": {"type": "blob", "side": 3}});

@@ -182,6 +182,7 @@ fn key_herds_as_they_are_made_are_reached_in_time() {
             arrival.on_place, animation.report.waited_s, arrival.given_s
         );
         keeps_the_laws(&animation, &options, &none, held);
+        assert_eq!(animation.report.waited_s, 0.0);
         on_place.push(arrival.on_place);
     }
     assert!(on_place.iter().all(|share| *share >= 0.95), "{on_place:?}");
@@ -210,6 +211,7 @@ fn the_laws_hold_among_trees_and_on_hills() {
         arrival.needed_s, arrival.on_place, animation.report.waited_s
     );
     assert!(arrival.on_place >= 0.95, "{arrival:?}");
+    assert!(animation.report.waited_s > 1.0, "who has to go round trees is waited for");
     let tracks = &animation.tracks;
     let last = tracks.times_s.len() - 1;
     for i in 0..tracks.animals {
@@ -388,31 +390,6 @@ fn a_herd_climbs_slower_than_it_walks_on_level_ground() {
         let (found, most) = (way(slope), 30.0 * 3.0 * factor);
         assert!(found <= 1.01 * most && found > 0.7 * most, "slope {slope}: {found} m of {most}");
     }
-}
-
-#[test]
-fn the_herd_waits_for_those_who_have_a_longer_way() {
-    let (flat, none, options) = (hills(0.0), Obstacles::default(), AnimationOptions::default());
-    // A wall before one half of the herd only: it has to go round.
-    let wall = Obstacles {
-        disks: (0..40).map(|k| (Point::new(200.0, 302.0 + 2.0 * f64::from(k)), 1.5)).collect(),
-        ..Obstacles::default()
-    };
-    let frames = [
-        at(0.0, herd(16, Point::new(120.0, 300.0), (12.0, 0.0), 31)),
-        at(160.0, herd(16, Point::new(300.0, 300.0), (12.0, 0.0), 32)),
-    ];
-    let free = walk(&flat, &none, &frames, &options);
-    assert_eq!(free.report.waited_s, 0.0);
-    let walled = walk(&flat, &wall, &frames, &options);
-    keeps_the_laws(&walled, &options, &wall, 0.0);
-    assert!(walled.report.waited_s > 2.0, "{}", walled.report.waited_s);
-    assert!(walled.report.arrivals[0].on_place >= 0.9, "{:?}", walled.report.arrivals[0]);
-    // Who has a free way is held back by those who have not.
-    let tracks = &walled.tracks;
-    let early = tracks.times_s.iter().position(|t| *t >= 80.0).unwrap();
-    let foremost = |a: &Animation| (0..16).map(|i| a.tracks.pose(early, i).place.x).fold(0.0, f64::max);
-    assert!(foremost(&walled) < foremost(&free) - 1.0, "{} {}", foremost(&walled), foremost(&free));
 }
 
 #[test]

@@ -317,3 +317,51 @@ impl<'a> Simulation<'a> {
 
 /// Seconds in which the herd frame reaches or leaves its full pace (ours).
 const BRAKE_S: f64 = 1.0;
+
+#[cfg(test)]
+mod tests {
+    use super::super::KeyFrame;
+    use super::super::KeyPose;
+    use super::super::PairingMetric;
+    use super::super::frames;
+    use super::*;
+    use crate::compute::geometry::Ellipse;
+    use crate::compute::herds::Obstacles;
+    use crate::compute::raster::Grid;
+    use crate::compute::raster::Raster;
+
+    #[test]
+    fn the_frame_waits_for_stragglers_but_not_for_ever() {
+        let (terrain, none) = (Raster::filled(Grid::new(100, 100, 2.0), 0f32), Obstacles::default());
+        let animal = |x: f64, y: f64| Ellipse { centre: Point::new(x, y), a: 1.2, b: 0.5, theta: 0.0 };
+        let herd = |x: f64| (0..5).map(|i| animal(x, 90.0 + 5.0 * f64::from(i))).collect();
+        let frames = [(0.0, 60.0), (60.0, 160.0)].map(|(time_s, x)| KeyFrame { time_s, pose: KeyPose::Herd(herd(x)) });
+        let ground = Ground::new(&terrain, &none, &frames, &Run::silent()).unwrap();
+        let path = Trajectory::on_open_ground(&frames::centres(&frames), 5.0).unwrap();
+        let guides = Guides::new(&frames, &path, PairingMetric::Euclidean, &Run::silent()).unwrap();
+        let options = AnimationOptions::default();
+        let mut herd = Simulation::new(&ground, &path, &guides, &options);
+        // As far as a straggler is, in metres.
+        let far = STRAGGLER_BODY_LENGTHS * 2.4;
+        let mut behind = |metres: f64| {
+            herd.movers[2].place = Point::new(60.0 - metres, 100.0);
+            herd.straggling.fill(0.0);
+            herd.waiting(0.1)
+        };
+        assert_eq!((behind(0.0), behind(0.9 * far), behind(3.0 * far)), (1.0, 1.0, 0.0));
+        assert!((behind(1.5 * far) - 0.5).abs() < 1e-9);
+        assert_eq!(behind(-3.0 * far), 1.0, "who is ahead is not waited for");
+        behind(1.8 * far);
+        let waits = (0..200).take_while(|_| herd.waiting(0.1) < 1.0).count();
+        assert!((75..82).contains(&waits), "{waits} steps of 0.1 s");
+        // While it waits, the frame goes on only as far as it may.
+        let gone = |metres: f64| {
+            let mut herd = Simulation::new(&ground, &path, &guides, &options);
+            herd.given_s = 60.0;
+            herd.movers[2].place = Point::new(60.0 - metres, 100.0);
+            (0..30).for_each(|_| herd.advance_frame(0, 60.0, 0.1));
+            herd.progress.share
+        };
+        assert!(gone(0.0) > 0.02 && gone(4.0 * far) == 0.0, "{} {}", gone(0.0), gone(4.0 * far));
+    }
+}
