@@ -344,8 +344,8 @@ mod tests {
         );
         let (first, last) = (guides.frame(0.0), guides.frame(path.length()));
         let mut ends = Vec::new();
-        for i in 0..3 {
-            assert!(start.place(i).distance(from[i].centre) < 1e-9, "{i}");
+        for (i, e) in from.iter().enumerate() {
+            assert!(start.place(i).distance(e.centre) < 1e-9, "{i}");
             ends.extend(to.iter().position(|e| e.centre.distance(end.place(i)) < 1e-9));
             let (a, b) = (first.to_local(start.place(i)), last.to_local(end.place(i)));
             let mut gone = 0.0;
