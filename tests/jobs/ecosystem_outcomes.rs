@@ -12,6 +12,7 @@ use biotope::jobs::registry::Registry;
 use biotope::jobs::results::load;
 use biotope::storage::BlockingStore;
 use biotope::storage::Store;
+use biotope_api::warning::Warning;
 use serde_json::Value;
 use serde_json::json;
 
@@ -189,8 +190,8 @@ async fn what_cannot_be_worked_with_is_a_problem_and_never_a_job() {
     assert_eq!(app.get("/jobs").await.json()["jobs"], json!([]), "nothing was queued");
 }
 
-/// A period of the Tautavel sample, solved: its summary and the codes of its warnings.
-fn sample(period: &str) -> (Value, Vec<String>) {
+/// A period of the Tautavel sample, solved: its summary and its warnings.
+fn sample(period: &str) -> (Value, Vec<Warning>) {
     let name = format!("api/examples/ecosystem-tautavel-{period}.json");
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
     let runtime = tokio::runtime::Runtime::new().expect("a runtime");
@@ -200,17 +201,24 @@ fn sample(period: &str) -> (Value, Vec<String>) {
     let request = FileRequest::open(&file).expect("the example");
     let kept = request.solve("ecosystem", &bench, &Arc::new(Live::new(1))).expect("a solve");
     let Ok(Artefact::Json(summary)) = load(&store, &kept.outputs["summary"]) else { panic!("no summary") };
-    (summary, kept.warnings.into_iter().map(|warning| warning.code).collect())
+    (summary, kept.warnings)
 }
 
-static MILD: LazyLock<(Value, Vec<String>)> = LazyLock::new(|| sample("mild"));
+/// No herd misses food or prey for a whole day, or a drink it should have.
+fn assert_nobody_goes_without(warnings: &[Warning]) {
+    let missed = warnings.iter().find(|w| w.code == "HERD_WAITS" && w.message.starts_with("herds could not"));
+    assert_eq!(missed, None);
+}
+
+static MILD: LazyLock<(Value, Vec<Warning>)> = LazyLock::new(|| sample("mild"));
 
 #[test]
 fn the_mild_sample_has_animals_no_denser_than_ten_times_their_relatives_and_carnivores_in_proportion() {
     let (summary, warnings) = &*MILD;
     for code in ["DENSITY_OUT_OF_RANGE", "BIOMASS_OUT_OF_RANGE"] {
-        assert!(warnings.iter().all(|warning| warning != code), "{warnings:?}");
+        assert!(warnings.iter().all(|warning| warning.code != code), "{warnings:?}");
     }
+    assert_nobody_goes_without(warnings);
     let ratio = summary["biomass"]["carnivores_per_prey"].as_f64().expect("a ratio");
     assert!((0.003..=0.03).contains(&ratio), "{ratio}");
     let animals = summary["animals"].as_array().expect("animals");
@@ -220,7 +228,8 @@ fn the_mild_sample_has_animals_no_denser_than_ten_times_their_relatives_and_carn
 
 #[test]
 fn in_the_ice_age_reindeer_live_in_a_region_at_least_twice_as_large_and_are_most_of_the_herbivores() {
-    let (ice, _) = sample("ice-age");
+    let (ice, warnings) = sample("ice-age");
+    assert_nobody_goes_without(&warnings);
     let reindeer = |summary: &Value, field: &str| {
         let animals = summary["animals"].as_array().expect("animals");
         let row = animals.iter().find(|a| a["species"] == "Rangifer tarandus").expect("reindeer");
