@@ -61,65 +61,6 @@ fn point_curve(places: &[Point], domain: &Region) -> Vec<f64> {
     pcf::analyse(&points(places), domain, (&graph, &options), &Run::silent()).unwrap().curves[0].mean.clone()
 }
 
-/// Asserts that the curves are 1 in the mean, within four standard errors or `floor`.
-fn assert_one(curves: &[Vec<f64>], floor: f64, what: &str) {
-    let n = curves.len() as f64;
-    for bin in 0..curves[0].len() {
-        let mean = curves.iter().map(|c| c[bin]).sum::<f64>() / n;
-        let variance = curves.iter().map(|c| (c[bin] - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        let allowed = (4.0 * (variance / n).sqrt()).max(floor);
-        assert!((mean - 1.0).abs() < allowed, "{what}, place {bin}: {mean} is not 1 within {allowed}");
-    }
-}
-
-#[test]
-fn curves_of_uniform_points_are_one_in_every_known_domain() {
-    let domains = [("rectangle", rectangle(3.0, 1.0)), ("L", l_shape()), ("cross", cross()), ("hole", with_hole())];
-    for (name, domain) in domains {
-        for count in [60, 300] {
-            let curves: Vec<Vec<f64>> = (0..40)
-                .map(|seed| point_curve(&uniform(&domain, count, &mut stream("uniform", seed)), &domain))
-                .collect();
-            assert_one(&curves, 0.02, name);
-        }
-    }
-}
-
-#[test]
-fn curves_of_uniform_disks_are_one_for_every_mix_of_radii() {
-    let domain = cross();
-    let r_max = pcf::maximal_spacing(domain.area(), 300);
-    for mix in [[0.4, 0.4, 0.4], [1.2, 0.6, 0.1], [2.0, 0.0, 0.3], [0.05, 0.02, 0.0]] {
-        let axis = Axis { extent: 8.0, ..Axis::default() };
-        let options = AnalysisOptions { axis, ..AnalysisOptions::of(Metric::Disk) };
-        let graph = Dependencies::new(2, &[(1, 0)]).unwrap();
-        let mut curves: Vec<Vec<Vec<f64>>> = vec![Vec::new(); 3];
-        for seed in 0..40 {
-            let mut random = stream("disks", seed);
-            let element = |(i, centre): (usize, Point)| Element { centre, radius: r_max * mix[i % 3], class: i % 2 };
-            let elements: Vec<Element> =
-                uniform(&domain, 600, &mut random).into_iter().enumerate().map(element).collect();
-            let analysis = pcf::analyse(&elements, &domain, (&graph, &options), &Run::silent()).unwrap();
-            for (list, curve) in curves.iter_mut().zip(analysis.curves) {
-                list.push(curve.mean);
-            }
-        }
-        for list in &curves {
-            assert_where_seen(list, &format!("{mix:?}"));
-        }
-    }
-}
-
-/// Like [`assert_one`], at the places where pairs were seen in at least half of the patterns.
-fn assert_where_seen(curves: &[Vec<f64>], what: &str) {
-    let n = curves.len();
-    let seen = |bin: usize| curves.iter().filter(|c| c[bin] > 0.3).count() * 2 > n;
-    let bins: Vec<usize> = (0..curves[0].len()).filter(|b| seen(*b)).collect();
-    assert!(bins.len() >= 40, "{what}: only {} places are seen", bins.len());
-    let picked: Vec<Vec<f64>> = curves.iter().map(|c| bins.iter().map(|b| c[*b]).collect()).collect();
-    assert_one(&picked, 0.02, what);
-}
-
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
 }
@@ -222,42 +163,98 @@ fn a_border_learnt_from_300_points_has_the_area_and_the_curve_of_the_domain() {
     }
 }
 
+/// Patterns that are cut, and how much that may change their curve: the border is learnt with a
+/// margin that suits points which do not care for each other, a little too narrow for a lattice,
+/// too wide where groups end.
+const CUT: [(&str, f64, fn(&mut Stream) -> Vec<Point>); 4] = [
+    ("uniform", 0.05, uniform_600),
+    ("hard-core", 0.05, hard_core),
+    ("clustered", 0.08, clustered),
+    ("lattice", 0.08, lattice),
+];
+
+/// Patterns of each kind.
+const CUTS: u64 = 24;
+
 #[test]
 fn a_pattern_cut_by_a_hole_or_a_cross_keeps_its_curve() {
     // As T figure 3.5: one pattern, whole or with a part cut away, its border learnt each time.
-    let whole = rectangle(1.0, 1.0);
     let hole = |p: &Point| p.distance(Point::new(0.5, 0.5)) >= 0.22;
     let cross = |p: &Point| (0.3..=0.7).contains(&p.x) || (0.3..=0.7).contains(&p.y);
-    let mut sums = [vec![0.0; 50], vec![0.0; 50], vec![0.0; 50]];
-    for seed in 0..40 {
-        let places = hard_core(&whole, 500, &mut stream("cut", seed));
-        let cut = [
-            places.clone(),
-            places.iter().copied().filter(hole).collect(),
-            places.iter().copied().filter(cross).collect(),
-        ];
-        for (sum, places) in sums.iter_mut().zip(&cut) {
-            let learnt = pcf::learn_border(places, &pcf::BorderOptions::default()).unwrap();
-            sum.iter_mut().zip(point_curve(places, &learnt)).for_each(|(s, v)| *s += v / 40.0);
+    let mut failed = Vec::new();
+    for (kind, allowed, draw) in CUT {
+        let mut sums = [vec![0.0; 50], vec![0.0; 50], vec![0.0; 50]];
+        for seed in 0..CUTS {
+            let places = draw(&mut stream("cut", seed));
+            let cut = [
+                places.clone(),
+                places.iter().copied().filter(hole).collect(),
+                places.iter().copied().filter(cross).collect(),
+            ];
+            for (sum, places) in sums.iter_mut().zip(&cut) {
+                let learnt = pcf::learn_border(places, &pcf::BorderOptions::default()).unwrap();
+                sum.iter_mut().zip(point_curve(places, &learnt)).for_each(|(s, v)| *s += v / CUTS as f64);
+            }
+        }
+        for bin in 0..50 {
+            for (name, sum) in [("hole", &sums[1]), ("cross", &sums[2])] {
+                let off = (sum[bin] - sums[0][bin]).abs();
+                if off >= allowed {
+                    failed.push(format!("{kind}, {name}, place {bin}: {} of {}", sum[bin], sums[0][bin]));
+                }
+            }
         }
     }
-    for bin in 0..50 {
-        for (name, sum) in [("hole", &sums[1]), ("cross", &sums[2])] {
-            assert!((sum[bin] - sums[0][bin]).abs() < 0.05, "{name}, place {bin}: {} {}", sum[bin], sums[0][bin]);
-        }
-    }
+    assert!(failed.is_empty(), "{failed:#?}");
 }
 
-/// Points at least 0.7 of a spacing apart, by sequential inhibition.
-fn hard_core(region: &Region, count: usize, random: &mut Stream) -> Vec<Point> {
-    let least = 0.7 * (region.area() / count as f64).sqrt();
+fn unit_square() -> Region {
+    rectangle(1.0, 1.0)
+}
+
+fn uniform_600(random: &mut Stream) -> Vec<Point> {
+    uniform(&unit_square(), 600, random)
+}
+
+/// 600 points at least 0.7 of a spacing apart, by sequential inhibition.
+fn hard_core(random: &mut Stream) -> Vec<Point> {
+    let least = 0.7 / 600.0_f64.sqrt();
     let mut places: Vec<Point> = Vec::new();
-    for _ in 0..200_000 {
-        let p = uniform(region, 1, random)[0];
-        if places.len() < count && places.iter().all(|q| q.distance(p) >= least) {
+    while places.len() < 600 {
+        let p = Point::new(random.unit(), random.unit());
+        if places.iter().all(|q| q.distance(p) >= least) {
             places.push(p);
         }
     }
+    places
+}
+
+/// Some 600 points in groups of about six around uniform places, some of them outside.
+fn clustered(random: &mut Stream) -> Vec<Point> {
+    let mut places = Vec::new();
+    for parent in uniform(&rectangle(1.4, 1.4), 200, random) {
+        for _ in 0..random.below(13) {
+            places.push(parent - Point::new(0.2, 0.2) + Point::new(random.normal(), random.normal()) * 0.04);
+        }
+    }
+    places.retain(|p| unit_square().contains(*p));
+    places
+}
+
+/// A hexagonal lattice of about 600 points, each a little off its place, laid anyhow.
+fn lattice(random: &mut Stream) -> Vec<Point> {
+    let spacing = pcf::maximal_spacing(1.0, 600);
+    let (offset, turn) = (Point::new(random.unit(), random.unit()), Point::from_angle(random.range(0.0, 6.3)));
+    let mut places = Vec::new();
+    for row in -60..60 {
+        for column in -60..60 {
+            let jitter = Point::new(random.normal(), random.normal()) * 0.1;
+            let column = f64::from(column) + 0.5 * f64::from(row % 2);
+            let p = (Point::new(column, f64::from(row) * 0.75_f64.sqrt()) + offset + jitter) * spacing;
+            places.push(Point::new(p.dot(turn), p.cross(turn)) + Point::new(0.5, 0.5));
+        }
+    }
+    places.retain(|p| unit_square().contains(*p));
     places
 }
 

@@ -4,6 +4,7 @@ mod distributions_analysis;
 pub mod distributions_exemplars;
 mod distributions_quality;
 mod distributions_synthesis;
+mod distributions_uniform;
 mod fauna;
 mod flora;
 mod flora_lines;

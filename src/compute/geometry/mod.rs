@@ -18,6 +18,7 @@ pub use polygon::MAX_VERTICES;
 pub use polygon::Polygon;
 pub use polygon::PolygonError;
 pub use polygon::ring_area_doubled;
+pub use polygon::simple_rings;
 pub use region::Region;
 pub use segment_index::Segment;
 pub use surroundings::Surroundings;

@@ -57,6 +57,29 @@ pub fn ring_area_doubled(ring: &[Point]) -> f64 {
     ring.iter().zip(next).map(|(a, b)| (*a - *origin).cross(*b - *origin)).sum()
 }
 
+/// A ring cut where it touches itself, into rings that pass through each of their vertices once.
+pub fn simple_rings(ring: &[Point]) -> Vec<Vec<Point>> {
+    let mut places: Vec<usize> = (0..ring.len()).collect();
+    places.sort_by(|a, b| ring[*a].x.total_cmp(&ring[*b].x).then(ring[*a].y.total_cmp(&ring[*b].y)).then(a.cmp(b)));
+    let mut vertex_of = vec![0; ring.len()];
+    for pair in places.windows(2) {
+        vertex_of[pair[1]] = vertex_of[pair[0]] + usize::from(ring[pair[0]] != ring[pair[1]]);
+    }
+    let (mut rings, mut open, mut place_in_open) = (Vec::new(), Vec::new(), vec![None; ring.len()]);
+    for vertex in vertex_of.iter().zip(ring) {
+        if let Some(from) = place_in_open[*vertex.0] {
+            let closed: Vec<(usize, Point)> = open.drain(from..).collect();
+            closed.iter().for_each(|(v, _): &(usize, Point)| place_in_open[*v] = None);
+            rings.push(closed.into_iter().map(|(_, p)| p).collect());
+        }
+        place_in_open[*vertex.0] = Some(open.len());
+        open.push((*vertex.0, *vertex.1));
+    }
+    rings.push(open.into_iter().map(|(_, p)| p).collect());
+    rings.retain(|ring: &Vec<Point>| ring.len() >= 3);
+    rings
+}
+
 /// The union of `polygons` in normal form: outer rings counter-clockwise, holes clockwise, no
 /// two polygons overlapping. A single polygon keeps its coordinates; several are overlaid on an
 /// integer grid of about a billionth of their extent.
@@ -147,4 +170,26 @@ fn from_geo_ring(ring: &geo::LineString<f64>, direction: f64) -> Vec<Point> {
         points.reverse();
     }
     points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(places: &[(f64, f64)]) -> Vec<Point> {
+        places.iter().map(|(x, y)| Point::new(*x, *y)).collect()
+    }
+
+    #[test]
+    fn a_ring_that_touches_itself_is_an_outer_ring_and_a_hole_or_two_outer_rings() {
+        // A square whose border dips into a pocket at its south-west corner.
+        let pocket = ring(&[(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0), (0.0, 0.0), (1.0, 2.0), (2.0, 1.0)]);
+        let areas = |rings: &[Vec<Point>]| rings.iter().map(|r| ring_area_doubled(r)).collect::<Vec<f64>>();
+        assert_eq!(areas(&simple_rings(&pocket)), [32.0, -3.0]);
+        let two =
+            ring(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0), (1.0, 1.0), (0.0, 1.0)]);
+        assert_eq!(areas(&simple_rings(&two)), [2.0, 2.0]);
+        let simple = ring(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]);
+        assert_eq!(simple_rings(&simple), [simple]);
+    }
 }

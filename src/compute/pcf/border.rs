@@ -4,6 +4,7 @@ use crate::compute::geometry::Point;
 use crate::compute::geometry::Polygon;
 use crate::compute::geometry::Region;
 use crate::compute::geometry::ring_area_doubled;
+use crate::compute::geometry::simple_rings;
 use crate::compute::pcf::PcfError;
 use crate::compute::pcf::maximal_spacing;
 use spade::DelaunayTriangulation;
@@ -141,7 +142,8 @@ impl Mesh {
     }
 
     /// Chains edges with the domain on their left; where several leave a vertex, the sharpest
-    /// left turn keeps the rings apart.
+    /// left turn keeps parts of the domain apart that only meet there, and what is cut off by a
+    /// ring that touches itself is a hole.
     fn rings(&self, border: Vec<(usize, usize)>) -> Vec<Vec<Point>> {
         let mut used = vec![false; border.len()];
         let mut rings = Vec::new();
@@ -163,7 +165,7 @@ impl Mesh {
                     None => break,
                 }
             }
-            rings.push(ring);
+            rings.extend(simple_rings(&ring));
         }
         rings
     }

@@ -1,6 +1,7 @@
 use crate::compute::geometry::Point;
 use crate::compute::geometry::Polygon;
 use crate::compute::geometry::ring_area_doubled;
+use crate::compute::geometry::simple_rings;
 use crate::compute::raster::Grid;
 use crate::compute::raster::Raster;
 
@@ -8,11 +9,12 @@ use crate::compute::raster::Raster;
 const STEPS: [(isize, isize); 4] = [(1, 0), (0, -1), (-1, 0), (0, 1)];
 
 /// The outline of the cells that are set, along the cell borders: polygons with holes in normal
-/// form (outer rings counter-clockwise, holes clockwise), runs of equal direction merged. Cells
-/// that meet only at a corner belong to different polygons.
+/// form (outer rings counter-clockwise, holes clockwise, none touching itself), runs of equal
+/// direction merged. Cells that meet only at a corner belong to different polygons.
 pub fn outline(mask: &Raster<bool>) -> Vec<Polygon> {
     let mut corners = Corners::of(mask);
-    let rings: Vec<(Vec<Point>, usize)> = std::iter::from_fn(|| corners.next_ring()).collect();
+    let simple = |(ring, cell): (Vec<Point>, usize)| simple_rings(&ring).into_iter().map(move |ring| (ring, cell));
+    let rings: Vec<(Vec<Point>, usize)> = std::iter::from_fn(|| corners.next_ring()).flat_map(simple).collect();
     let labels = labels(mask);
     let mut polygons: Vec<Polygon> = Vec::new();
     let mut polygon_of_label = vec![usize::MAX; labels.1];
@@ -151,6 +153,7 @@ mod tests {
             let raster = Raster::from_data(grid, data).unwrap();
             let region = Region::from_normal_form(outline(&raster)).unwrap();
             assert!((region.area() - cells as f64 * 0.25).abs() < 1e-9);
+            assert!(Region::from_polygons(region.polygons()).is_ok(), "they are valid as input again");
             for i in 0..grid.len() {
                 assert_eq!(region.contains(grid.centre(i)), raster.data[i]);
             }
