@@ -21,6 +21,8 @@ use biotope::compute::raster::Raster;
 use biotope::compute::run::Run;
 use biotope::compute::run::StopFlag;
 use exemplars::Exemplar;
+use std::sync::Arc;
+use std::sync::Mutex;
 
 fn again(exemplar: &Exemplar, seed: u64) -> Synthesis {
     let options = SynthesisOptions { seed, ..SynthesisOptions::default() };
@@ -188,6 +190,68 @@ fn a_larger_domain_of_many_blocks_shows_no_seams() {
     let density = (at.len() as f64 / share_of(&at_seam)) / (off.len() as f64 / share_of(&off_seam));
     assert!((mean(&at) / mean(&off) - 1.0).abs() < 0.05, "{} {}", mean(&at), mean(&off));
     assert!((density - 1.0).abs() < 0.12, "{density}");
+}
+
+#[test]
+fn blocks_are_as_dense_at_the_border_of_the_domain_as_within() {
+    // Uniform points in four times their domain, by four blocks and then nine.
+    let mut random = Stream::new(1, Purpose::new("test.border-strip"), 0);
+    let mut place = || Point::new(random.range(0.0, 10.0), random.range(0.0, 10.0));
+    let elements: Vec<Element> = (0..300).map(|_| Element { centre: place(), radius: 0.0, class: 0 }).collect();
+    let (small, domain) = (exemplars::rectangle(10.0, 10.0), exemplars::rectangle(20.0, 20.0));
+    let graph = Dependencies::new(1, &[]).unwrap();
+    let options = AnalysisOptions { triplets: true, ..AnalysisOptions::of(Metric::Point) };
+    let analysis = pcf::analyse(&elements, &small, (&graph, &options), &Run::silent()).unwrap();
+    let target = Target { domain: &domain, room: None, density: None, fixed: &[], counts: vec![1200] };
+    // After the darts, and at the end.
+    for (outlier_rounds, seeds) in [(0, 1..5), (2, 1..4)] {
+        let (width, runs) = (0.3, seeds.end - seeds.start);
+        let in_strip = |seed: u64| {
+            let options = SynthesisOptions { seed, block_elements: 300, outlier_rounds, ..SynthesisOptions::default() };
+            let result = pcf::synthesise(&analysis, &target, &options, &Run::silent()).unwrap();
+            result.elements.iter().filter(|e| domain.clearance(e.centre, 1.0) < width).count()
+        };
+        let found = seeds.map(in_strip).sum::<usize>() as f64;
+        let expected = f64::from(runs as u32) * 1200.0 * (1.0 - (20.0 - 2.0 * width).powi(2) / 400.0);
+        // Counts of independent points vary by their root.
+        assert!((found - expected).abs() < 4.0 * expected.sqrt(), "{found} for {expected} after {outlier_rounds}");
+    }
+}
+
+#[test]
+fn by_blocks_no_curve_ends_worse_than_it_began() {
+    let (forest, nests, points) = (exemplars::forest(2), exemplars::nested(3), exemplars::hard_core(300, 2));
+    for (exemplar, block_elements) in [(&forest, 60), (&nests, 25), (&points, 80)] {
+        for seed in 1..3 {
+            let options = SynthesisOptions { seed, block_elements, ..SynthesisOptions::default() };
+            let result = pcf::synthesise(&exemplar.analysed(), &exemplar.target(), &options, &Run::silent()).unwrap();
+            for report in &result.curves {
+                let (name, before, after) = ((report.curve.child, report.curve.parent), report.before, report.after);
+                println!("{} {name:?} seed {seed}: {before:.4} became {after:.4}", exemplar.name);
+                assert!(after <= before + 1e-9, "{} {name:?}: {before} became {after}", exemplar.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn progress_of_a_synthesis_by_blocks_is_fine_and_never_falls() {
+    let exemplar = exemplars::hard_core(100, 1);
+    let domain = exemplars::rectangle(20.0, 20.0);
+    let target = Target { domain: &domain, room: None, density: None, fixed: &[], counts: vec![400] };
+    let options = SynthesisOptions { block_elements: 50, outlier_rounds: 1, ..SynthesisOptions::default() };
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let sink = Arc::clone(&told);
+    let run = Run::new(StopFlag::default(), move |p| {
+        if p.stage == "distribution.synthesis" {
+            sink.lock().unwrap().push((p.done, p.total));
+        }
+    });
+    pcf::synthesise(&exemplar.analysed(), &target, &options, &run).unwrap();
+    let told = told.lock().unwrap();
+    assert!(told.windows(2).all(|w| w[0].0 <= w[1].0 && w[0].1 == w[1].1), "{told:?}");
+    assert!(told.windows(2).all(|w| (w[1].0 - w[0].0) * 20 <= w[0].1), "{told:?}");
+    assert_eq!(told.last().map(|(done, total)| done == total), Some(true), "{told:?}");
 }
 
 #[test]

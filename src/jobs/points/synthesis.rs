@@ -18,12 +18,7 @@ use crate::jobs::points::documents;
 use crate::jobs::points::pictures;
 
 /// The stages of a synthesis with their share of the time.
-pub const STAGES: &[(&str, u32)] = &[
-    ("distribution.analysis", 5),
-    ("distribution.synthesis", 1),
-    ("distribution.darts", 40),
-    ("distribution.refinement", 54),
-];
+pub const STAGES: &[(&str, u32)] = &[("distribution.analysis", 5), ("distribution.synthesis", 95)];
 
 /// The outputs of a synthesis.
 pub fn outputs() -> Vec<Output> {

@@ -23,10 +23,6 @@ const MISSES: usize = 32;
 /// Places of one level of a painted density differ by at most this factor from the first.
 const LEVEL_WIDTH: f64 = 1.3;
 
-/// The share of a block's neighbours that is filled before it, by its colour: none, those at
-/// two sides, those at the other two, all.
-const FILLED_NEIGHBOURS: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
-
 /// What a block was filled with.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Filled {
@@ -49,12 +45,11 @@ pub(super) fn fill(
     run: &Run,
 ) -> Result<Filled, PcfError> {
     radii.sort_by(|a, b| b.total_cmp(a));
-    let neighbours = FILLED_NEIGHBOURS[patch.block.colour];
     let mut thrower = Thrower {
         patch,
         options,
         trial: Trial::new(patch),
-        filling: Filling::empty(patch, radii.len(), neighbours),
+        filling: Filling::empty(patch, radii.len()),
         random: Stream::new(options.seed, DARTS, (patch.scene.class as u64) << 32 | index as u64),
         filled: Filled::default(),
         searching: false,

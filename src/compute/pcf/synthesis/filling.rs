@@ -7,17 +7,25 @@ use super::patch::Patch;
 use super::patch::sums_of;
 use super::patch::triplet_sums;
 use super::scene::Scene;
+use super::shares::Share;
+use super::shares::Shares;
+use crate::compute::geometry::Point;
 use crate::compute::pcf::windows::Windows;
+use crate::compute::random::Purpose;
+use crate::compute::random::Stream;
 use rayon::prelude::*;
 
 /// Two ends of a triplet at a distance of 1 from its middle are this far apart in the mean: 4/π.
 const ACROSS: f64 = 4.0 / std::f64::consts::PI;
 
+const FIXED: Purpose = Purpose::new("distribution.fixed");
+
+/// Places from which the elements that were there before are looked at.
+const LOOKS: usize = 300;
+
 /// The sums of a block so far.
 #[derive(Debug, Clone)]
 pub(super) struct BlockSums {
-    /// Elements the block will have.
-    pub(super) count: usize,
     /// Elements it has.
     pub(super) placed: usize,
     /// Σ of their individual curves, one row a view.
@@ -26,15 +34,25 @@ pub(super) struct BlockSums {
     pub(super) triplets: Vec<Vec<f64>>,
     /// What its elements see beyond the axis.
     pub(super) far: FarSums,
-    /// Of the rings around the block's elements, the share inside the block, at every place of
-    /// the axis: 1 for a block that is all of the domain.
-    inside: Vec<f64>,
+    /// Which partners its elements can have meanwhile; none once it is complete.
+    there: Option<There>,
+}
+
+/// Which partners of their class the elements of a block can have while it is filled.
+#[derive(Debug, Clone)]
+struct There {
+    /// Of the rings around them, at every place of the axis.
+    near: Vec<Share>,
     /// The same for the other end of triplets around a parent.
-    inside_across: Vec<f64>,
+    across: Vec<Share>,
     /// The same for the bins beyond the axis.
-    inside_far: Vec<f64>,
-    /// The share of the neighbouring blocks that is filled.
-    neighbours: f64,
+    far: Vec<Share>,
+    /// What they see of the elements that were there before, at every place of the axis.
+    fixed: Vec<f64>,
+    /// How many partners in the block make it as dense as the whole class is in the domain.
+    as_dense: f64,
+    /// How dense blocks are that are filled.
+    filled: f64,
 }
 
 /// A block while it is filled: its elements, what each sees of its own class, and the sums.
@@ -58,11 +76,10 @@ pub(super) struct Filling {
 }
 
 impl Filling {
-    /// The block of `patch` before any of its `count` elements; of its neighbours the share
-    /// `neighbours` is filled.
-    pub(super) fn empty(patch: &Patch<'_>, count: usize, neighbours: f64) -> Self {
+    /// The block of `patch` before any of its `count` elements.
+    pub(super) fn empty(patch: &Patch<'_>, count: usize) -> Self {
         let inner = patch.inner();
-        let sums = BlockSums::new(patch.scene, count, (patch.sampler.block_side(), neighbours));
+        let sums = BlockSums { there: Some(There::of(patch, count)), ..BlockSums::new(patch.scene) };
         let (seen, far) = (patch.seen_by_parents(&inner, 0.5), patch.far().clone());
         Self { seen, inner, curves: Vec::new(), borders: Vec::new(), far, windows: Windows::none(), sums }
     }
@@ -72,7 +89,7 @@ impl Filling {
     pub(super) fn complete(patch: &Patch<'_>, individuals: &[Individual]) -> Self {
         let scene = patch.scene;
         let inner = patch.inner();
-        let mut sums = BlockSums::new(scene, individuals.len(), (patch.sampler.block_side(), 1.0));
+        let mut sums = BlockSums::new(scene);
         sums.placed = individuals.len();
         sums.sums = sums_of(individuals, scene).iter().map(|row| scene.sparse.of_row(row)).collect();
         sums.triplets = triplet_sums(individuals, scene);
@@ -93,67 +110,97 @@ impl Filling {
 }
 
 impl BlockSums {
-    /// The sums of an empty block that will have `count` elements, `side` metres wide (infinite
-    /// when it is all of the domain), with a share of its `neighbours` filled.
-    pub(super) fn new(scene: &Scene<'_>, count: usize, (side, neighbours): (f64, f64)) -> Self {
-        let bins = scene.sparse.bins();
-        let share = |bin: usize, factor: f64| {
-            let largest = scene.largest_radius();
-            square_covariance(
-                factor * scene.metric.reach(scene.sparse.axis.r(bin), largest, largest) * scene.unit / side,
-            )
-        };
-        let sums = vec![vec![0.0; bins]; scene.views.len()];
+    /// The sums of a block without elements.
+    pub(super) fn new(scene: &Scene<'_>) -> Self {
+        let sums = vec![vec![0.0; scene.sparse.bins()]; scene.views.len()];
         let triplets = scene.views.iter().map(|v| vec![0.0; v.triplet_weights.len()]).collect();
-        let inside = |factor: f64| (0..bins).map(|bin| share(bin, factor)).collect();
-        Self {
-            count: count.max(1),
-            placed: 0,
-            sums,
-            triplets,
-            far: FarSums::new(scene),
-            inside: inside(1.0),
-            inside_across: inside(ACROSS),
-            inside_far: (0..scene.tail.bins)
-                .map(|b| square_covariance(scene.tail.place(b) * scene.unit / side))
-                .collect(),
-            neighbours,
-        }
+        Self { placed: 0, sums, triplets, far: FarSums::new(scene), there: None }
     }
 
     /// The sum of `placed` individual curves, over the target curve: towards a parent each is
-    /// complete, towards the class itself it sees the block's elements so far and what the
-    /// neighbouring blocks hold.
+    /// complete, towards the class itself it sees whom of it can be there.
     pub(super) fn expected(&self, v: usize, bin: usize, placed: usize) -> f64 {
-        if v > 0 { placed as f64 } else { placed as f64 * self.seen(bin, placed) }
+        let there = self.there.as_ref().filter(|_| v == 0);
+        placed as f64 * there.map_or(1.0, |t| t.share(&t.near[bin], t.fixed[bin], placed))
     }
 
     /// The sum of `placed` elements' triplets, over the target: both partners must be there; of
     /// triplets around parents the other end.
     pub(super) fn expected_triplets(&self, v: usize, bin: usize, placed: usize) -> f64 {
-        let seen = if v > 0 { self.seen_of(self.inside_across[bin], placed) } else { self.seen(bin, placed).powi(2) };
-        placed as f64 * seen
+        let share = |t: &There| {
+            if v > 0 {
+                t.share(&t.across[bin], t.fixed[bin], placed)
+            } else {
+                t.share_squared(&t.near[bin], t.fixed[bin], placed)
+            }
+        };
+        placed as f64 * self.there.as_ref().map_or(1.0, share)
     }
 
     /// The share of an element's partners of its own class beyond the axis that is there.
     pub(super) fn seen_far(&self, v: usize, bin: usize, placed: usize) -> f64 {
-        if v > 0 { 1.0 } else { self.seen_of(self.inside_far[bin], placed) }
-    }
-
-    /// The share of an element's partners of its own class that is there.
-    fn seen(&self, bin: usize, placed: usize) -> f64 {
-        self.seen_of(self.inside[bin], placed)
-    }
-
-    fn seen_of(&self, inside: f64, placed: usize) -> f64 {
-        let partners = placed.saturating_sub(1) as f64 / (self.count.max(2) - 1) as f64;
-        inside * partners + (1.0 - inside) * self.neighbours
+        let there = self.there.as_ref().filter(|_| v == 0);
+        there.map_or(1.0, |t| t.share(&t.far[bin], t.fixed.last().copied().unwrap_or(0.0), placed))
     }
 }
 
-/// The share of the circle of radius `r` around a uniform place in the unit square that lies in
-/// the square, up to r = 1.
-fn square_covariance(r: f64) -> f64 {
-    let r = r.min(1.0);
-    1.0 - 4.0 * r / std::f64::consts::PI + r * r / std::f64::consts::PI
+impl There {
+    /// For the block of `patch`, which will have `count` elements.
+    fn of(patch: &Patch<'_>, count: usize) -> Self {
+        let (scene, bins) = (patch.scene, patch.scene.sparse.bins());
+        let largest = scene.largest_radius();
+        let reach = |bin: usize| scene.metric.reach(scene.sparse.axis.r(bin), largest, largest) * scene.unit;
+        let farthest = (reach(bins.saturating_sub(1)) * ACROSS).max(scene.tail.range().1 * scene.unit);
+        let shares = Shares::of(patch, farthest);
+        let others = (scene.count.max(2) - 1) as f64;
+        let whole = patch.sampler.is_all_of(scene.domain);
+        let as_dense = if whole { others } else { others * patch.block.mass / scene.domain.area() };
+        Self {
+            near: (0..bins).map(|bin| shares.at(reach(bin))).collect(),
+            across: (0..bins).map(|bin| shares.at(reach(bin) * ACROSS)).collect(),
+            far: (0..scene.tail.bins).map(|bin| shares.at(scene.tail.place(bin) * scene.unit)).collect(),
+            fixed: fixed_seen(patch),
+            as_dense,
+            filled: count as f64 / as_dense,
+        }
+    }
+
+    /// The share of their partners that elements see, with `placed` of them in the block.
+    fn share(&self, share: &Share, fixed: f64, placed: usize) -> f64 {
+        share.own * self.own_density(placed) + share.filled * self.filled + fixed
+    }
+
+    /// The mean of its square.
+    fn share_squared(&self, share: &Share, fixed: f64, placed: usize) -> f64 {
+        let (own, filled) = (self.own_density(placed), self.filled);
+        let of_new = share.own * own + share.filled * filled;
+        share.own_sq * own * own
+            + 2.0 * share.both * own * filled
+            + share.filled_sq * filled * filled
+            + fixed * (2.0 * of_new + fixed)
+    }
+
+    fn own_density(&self, placed: usize) -> f64 {
+        placed.saturating_sub(1) as f64 / self.as_dense
+    }
+}
+
+/// What elements anywhere in the block see of those of the class that were there before the first
+/// was laid out, at every place of the axis, in the mean.
+fn fixed_seen(patch: &Patch<'_>) -> Vec<f64> {
+    let (scene, fixed) = (patch.scene, &patch.scene.views[0].partners);
+    let mut sum = vec![0.0; scene.axis.bins()];
+    if fixed.list().is_empty() {
+        return scene.sparse.of_row(&sum);
+    }
+    let mut random = Stream::new(0, FIXED, scene.class as u64);
+    let places: Vec<Point> = (0..LOOKS).filter_map(|_| patch.sampler.draw(patch.block, &mut random)).collect();
+    let radius = scene.mean_radius();
+    for p in &places {
+        let border = scene.border(*p, scene.reach(fixed, radius, scene.axis.reach()));
+        scene.add_row(&mut sum, (*p, radius, &border), (fixed, None));
+    }
+    let count = places.len().max(1) as f64;
+    sum.iter_mut().zip(&scene.views[0].factors).for_each(|(sum, factor)| *sum *= factor / count);
+    scene.sparse.of_row(&sum)
 }

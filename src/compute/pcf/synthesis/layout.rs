@@ -1,3 +1,4 @@
+use super::meter::Meter;
 use super::outliers;
 use super::partners::Partner;
 use super::partners::Partners;
@@ -23,6 +24,13 @@ const DEAL: Purpose = Purpose::new("distribution.deal");
 
 /// Number of colours of the blocks.
 const COLOURS: usize = 4;
+
+/// In how many steps each of `asked` elements of a class is laid out: one for the darts, one for
+/// every round of each pass.
+pub(super) fn steps(asked: usize, options: &SynthesisOptions) -> usize {
+    let passes = if asked > options.block_elements { 2 } else { 1 };
+    1 + passes * (1 + options.outlier_rounds)
+}
 
 /// One class while it is laid out, block by block.
 pub(super) struct Layout<'a> {
@@ -58,14 +66,18 @@ impl<'a> Layout<'a> {
     pub(super) fn fill(
         &mut self,
         radii: &[f64],
-        (options, run): (&SynthesisOptions, &Run),
+        (options, meter): (&SynthesisOptions, &Meter<'_>),
         tally: &mut Tally,
     ) -> Result<(), PcfError> {
         let hands = self.deal(radii, options.seed);
         for colour in 0..COLOURS {
             let of_colour = |b: &usize| self.sampler.blocks[*b].colour == colour && !hands[*b].is_empty();
             let blocks: Vec<usize> = (0..hands.len()).filter(of_colour).collect();
-            let fill = |b: &usize| darts::fill(&self.patch((*b, 0..0)), (*b, hands[*b].clone()), options, run);
+            let fill = |b: &usize| {
+                let filled = darts::fill(&self.patch((*b, 0..0)), (*b, hands[*b].clone()), options, meter.run)?;
+                meter.advance(hands[*b].len())?;
+                Ok(filled)
+            };
             let filled: Vec<Result<darts::Filled, PcfError>> = blocks.par_iter().map(fill).collect();
             for (block, filled) in blocks.iter().zip(filled) {
                 let filled = filled?;
@@ -76,7 +88,6 @@ impl<'a> Layout<'a> {
                 self.elements.extend(filled.elements);
             }
             self.renew();
-            run.progress("distribution.darts", self.elements.len() as u64, radii.len() as u64)?;
         }
         Ok(())
     }
@@ -111,10 +122,10 @@ impl<'a> Layout<'a> {
     /// Brings the elements of all blocks nearer to the target curves, outliers laid out again.
     pub(super) fn improve(
         &mut self,
-        (options, run): (&SynthesisOptions, &Run),
+        (options, meter): (&SynthesisOptions, &Meter<'_>),
         tally: &mut Tally,
     ) -> Result<(), PcfError> {
-        let (blocks, total, mut done) = (self.blocks.clone(), self.elements.len(), 0);
+        let blocks = self.blocks.clone();
         let mut kept: Vec<Vec<(Point, f64)>> = blocks.iter().map(|(_, r)| self.elements[r.clone()].to_vec()).collect();
         for colour in 0..COLOURS {
             let of_colour = |k: &usize| self.sampler.blocks[blocks[*k].0].colour == colour;
@@ -122,7 +133,7 @@ impl<'a> Layout<'a> {
             let improve = |k: &usize| {
                 let mut patch = self.patch(self.blocks[*k].clone());
                 let stream = (self.scene.class as u64) << 24 | blocks[*k].0 as u64;
-                let improved = outliers::improve(&mut patch, stream, options, run)?;
+                let improved = outliers::improve(&mut patch, stream, (options, meter))?;
                 Ok((improved, patch.places.into_iter().zip(patch.radii).collect::<Vec<_>>()))
             };
             let results: Vec<Result<_, PcfError>> = turn.par_iter().map(improve).collect();
@@ -132,11 +143,9 @@ impl<'a> Layout<'a> {
                 tally.replaced += improved.replaced;
                 tally.missing += improved.missing;
                 tally.outside += improved.outside;
-                done += elements.len();
                 kept[k] = elements;
             }
             self.take(&blocks, &kept);
-            run.progress("distribution.refinement", done as u64, total as u64)?;
         }
         Ok(())
     }

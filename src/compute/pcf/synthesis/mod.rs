@@ -10,6 +10,7 @@ mod goal;
 mod intensity;
 mod kernel_rows;
 mod layout;
+mod meter;
 mod outliers;
 mod partners;
 mod patch;
@@ -18,6 +19,7 @@ mod refine;
 mod sampler;
 mod scene;
 mod settle;
+mod shares;
 mod trial;
 
 use crate::compute::geometry::Point;
@@ -34,6 +36,7 @@ use crate::compute::run::Run;
 use intensity::Intensity;
 use layout::Layout;
 use layout::Tally;
+use meter::Meter;
 use sampler::Sampler;
 use scene::Scene;
 
@@ -168,21 +171,23 @@ pub fn synthesise(
     check_counts((&analysis.classes, analysis.area), target)?;
     let intensity = relative_intensity(target)?;
     let mut result = Synthesis { elements: target.fixed.to_vec(), classes: Vec::new(), curves: Vec::new() };
-    let order = analysis.dependencies.order();
-    for (done, class) in order.iter().enumerate() {
-        run.progress("distribution.synthesis", done as u64, order.len() as u64)?;
+    let fixed = |class: usize| target.fixed.iter().filter(|e| e.class == class).count();
+    let passes = |class: usize| layout::steps(target.counts[class], options);
+    let steps: usize = (0..target.counts.len()).map(|c| target.counts[c].saturating_sub(fixed(c)) * passes(c)).sum();
+    let meter = Meter::new(run, steps as u64);
+    meter.advance(0)?;
+    for class in analysis.dependencies.order() {
         // 2. The radii to come, and the curves they are to have among what is there.
-        let fixed = target.fixed.iter().filter(|e| e.class == *class).count();
+        let fixed = fixed(*class);
         let asked = target.counts[*class];
         let summary = &analysis.classes[*class];
         let radii = radii::draw(&summary.radii, asked.saturating_sub(fixed), (options.seed, *class));
         let mut report = ClassReport::new(*class, asked, fixed);
         if !radii.is_empty() {
-            lay_out(analysis, (target, intensity), (&mut report, radii), (options, run), &mut result)?;
+            lay_out(analysis, (target, intensity), (&mut report, radii), (options, &meter), &mut result)?;
         }
         result.classes.push(report);
     }
-    run.progress("distribution.synthesis", order.len() as u64, order.len() as u64)?;
     Ok(result)
 }
 
@@ -201,7 +206,7 @@ fn lay_out(
     analysis: &Analysis,
     (target, intensity): (&Target<'_>, Intensity<'_>),
     (report, radii): (&mut ClassReport, Vec<f64>),
-    (options, run): (&SynthesisOptions, &Run),
+    (options, meter): (&SynthesisOptions, &Meter<'_>),
     result: &mut Synthesis,
 ) -> Result<(), PcfError> {
     let class = report.class;
@@ -214,21 +219,21 @@ fn lay_out(
     }
     // 3. Initialisation: darts, then the grid search.
     let (mut layout, mut tally) = (Layout::new(&scene, &sampler), Tally::default());
-    layout.fill(&radii, (options, run), &mut tally)?;
-    let before = layout.curves(run)?;
+    layout.fill(&radii, (options, meter), &mut tally)?;
+    let before = layout.curves(meter.run)?;
     // 4. Refinement, outliers laid out again; the seams of the blocks lie inside the blocks of
     //    a second pass.
-    layout.improve((options, run), &mut tally)?;
+    layout.improve((options, meter), &mut tally)?;
     let shifted;
     if sampler.blocks.len() > 1 {
         shifted = Sampler::new(room, intensity, (scene.unit, side, 0.5));
         layout.regroup(&shifted);
         tally.outside = 0;
-        layout.improve((options, run), &mut tally)?;
+        layout.improve((options, meter), &mut tally)?;
     }
     // 5. The report.
     let error = |curve: &Curve, view: &scene::View<'_>| rms(&curve.mean, &view.target.mean);
-    for ((before, curve), view) in before.iter().zip(layout.curves(run)?).zip(&scene.views) {
+    for ((before, curve), view) in before.iter().zip(layout.curves(meter.run)?).zip(&scene.views) {
         result.curves.push(CurveReport { before: error(before, view), after: error(&curve, view), curve });
     }
     report.take(&tally, layout.elements.len());

@@ -1,6 +1,7 @@
 //! Outliers: elements that keep the curves from their targets, whose individual curve left the
 //! validity region, or that came too near another, are taken out and laid out again (T 3.6.5).
 
+use super::meter::Meter;
 use super::patch::Individual;
 use super::patch::Patch;
 use super::refine::refine;
@@ -68,20 +69,20 @@ pub(super) struct Improved {
 pub(super) fn improve(
     patch: &mut Patch<'_>,
     stream: u64,
-    options: &SynthesisOptions,
-    run: &Run,
+    (options, meter): (&SynthesisOptions, &Meter<'_>),
 ) -> Result<Improved, PcfError> {
+    let (run, count) = (meter.run, patch.places.len());
     let begun = patch.individuals();
     let limits = patch.errors_of(&begun);
     let mut scales: Vec<f64> = limits.iter().map(|e| e.max(LEAST_SCALE)).collect();
     let triplet_scales: Vec<f64> = patch.triplet_errors(&begun).iter().map(|e| e.max(LEAST_TRIPLET_SCALE)).collect();
     let (iterations, mut individuals) = refine_within(patch, begun, (scales.clone(), &limits), (options, run))?;
     let mut improved = Improved { iterations, ..Improved::default() };
+    meter.advance(count)?;
     let shorter = SynthesisOptions { max_iterations: options.max_iterations / AGAIN_SHORTER, ..options.clone() };
     let mut kept = (patch.places.clone(), individuals.clone());
     let (mut left, mut bearable) = (f64::INFINITY, f64::NEG_INFINITY);
     for round in 0..options.outlier_rounds {
-        run.check()?;
         let random = Stream::new(options.seed, AGAIN, stream << 8 | round as u64);
         let settled = settle(patch, (&individuals, (&scales, &triplet_scales)), (random, bearable), run)?;
         improved.replaced += settled.moved;
@@ -94,9 +95,11 @@ pub(super) fn improve(
         if above.is_empty() {
             kept = (patch.places.clone(), individuals.clone());
         }
+        meter.advance(count)?;
         let before = left;
         left = mean_square(&errors, &limits) + mean_square(&patch.triplet_errors(&individuals), &triplet_scales);
         if round >= EXACT_ROUNDS && above.is_empty() && left > before - LEAST_ROUND_GAIN {
+            meter.advance(count * (options.outlier_rounds - 1 - round))?;
             break;
         }
     }

@@ -36,11 +36,17 @@ impl<'a> Patch<'a> {
         self.far.get_or_init(|| Far::around(self))
     }
 
-    /// The windows of the block with what its neighbours hold; none with a painted density, which
-    /// says itself how elements lie at large.
+    /// The windows of a block that is all of the room, with what was there before; none with a
+    /// painted density, which says itself how elements lie at large. None either where there are
+    /// several blocks: how full windows are depends on how many of them are cut off by the border
+    /// of the domain, of which blocks have more or less than the exemplar, and they would draw
+    /// elements away from it or towards it.
     pub(super) fn windows(&self) -> &Windows {
         self.windows.get_or_init(|| {
-            if !self.scene.intensity.is_flat() || self.scene.views[0].target.root_counts.is_empty() {
+            if !self.sampler.is_one_block()
+                || !self.scene.intensity.is_flat()
+                || self.scene.views[0].target.root_counts.is_empty()
+            {
                 return Windows::none();
             }
             let mut windows = Windows::over(self.scene.domain, self.block.bounds, self.scene.unit);

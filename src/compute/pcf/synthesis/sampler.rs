@@ -24,6 +24,8 @@ pub(super) struct Sampler<'a> {
     intensity: Intensity<'a>,
     side: f64,
     block_side: f64,
+    /// The south-west corner of the grid of blocks.
+    corner: Point,
     /// Blocks with room in them, in rows from the south-west.
     pub(super) blocks: Vec<Block>,
 }
@@ -63,7 +65,7 @@ impl<'a> Sampler<'a> {
         let (block_columns, block_rows) = (columns.div_ceil(per_block), rows.div_ceil(per_block));
         let whole = block_columns * block_rows == 1;
         let block_side = if whole { f64::INFINITY } else { per_block as f64 * side };
-        let mut sampler = Self { room, intensity, side, block_side, blocks: Vec::new() };
+        let mut sampler = Self { room, intensity, side, block_side, corner: bounds.min, blocks: Vec::new() };
         let block = |b: usize| {
             let (bx, by) = (b % block_columns, b / block_columns);
             let mut cells = Vec::new();
@@ -81,7 +83,7 @@ impl<'a> Sampler<'a> {
             let cells: Vec<Cell> = cells.into_iter().map(|(cell, _)| cell).collect();
             let corners = cells.iter().flat_map(|c| [c.corner, c.corner + Point::new(side, side)]);
             let bounds = Bounds::of(corners).unwrap_or(bounds);
-            Block { colour: bx % 2 + 2 * (by % 2), mass, cells, bounds }
+            Block { colour: colour(bx, by), mass, cells, bounds }
         };
         let blocks: Vec<Block> = (0..block_columns * block_rows).into_par_iter().map(block).collect();
         sampler.blocks = blocks.into_iter().filter(|b| b.mass > 0.0).collect();
@@ -94,9 +96,20 @@ impl<'a> Sampler<'a> {
         (0..self.blocks.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0)
     }
 
-    /// Metres on a side of a block; infinite when one block is all of the room.
-    pub(super) fn block_side(&self) -> f64 {
-        self.block_side
+    /// Whether one block is all of the room.
+    pub(super) fn is_one_block(&self) -> bool {
+        self.block_side.is_infinite()
+    }
+
+    /// Whether one block is all of `domain`.
+    pub(super) fn is_all_of(&self, domain: &Region) -> bool {
+        self.is_one_block() && std::ptr::eq(self.room, domain)
+    }
+
+    /// The colour of the block around `p`.
+    pub(super) fn colour_at(&self, p: Point) -> usize {
+        let at = |offset: f64| (offset / self.block_side).max(0.0) as usize;
+        colour(at(p.x - self.corner.x), at(p.y - self.corner.y))
     }
 
     /// ∫ density over the room.
@@ -151,6 +164,11 @@ impl<'a> Sampler<'a> {
     pub(super) fn freedom(&self, p: Point, at_most: f64) -> f64 {
         if self.intensity.is_flat() { self.room.clearance(p, at_most) } else { 0.0 }
     }
+}
+
+/// The colour of the block in a column and row of blocks.
+fn colour(column: usize, row: usize) -> usize {
+    column % 2 + 2 * (row % 2)
 }
 
 /// Squared distance of `p` to a rectangle, 0 inside.

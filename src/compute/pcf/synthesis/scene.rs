@@ -40,6 +40,7 @@ pub(super) struct Scene<'a> {
     /// smallest distance, scaled with r_max (for disks, which keep their size, only down).
     pub(super) closest: f64,
     largest_radius: f64,
+    mean_radius: f64,
     /// The kernel squared.
     squares: Kernel,
     /// The kernel by table, for trials.
@@ -130,6 +131,7 @@ impl<'a> Scene<'a> {
             sparse,
             tail: tail.unwrap_or_default(),
             largest_radius: own.iter().copied().fold(0.0, f64::max) / unit,
+            mean_radius: own.iter().sum::<f64>() / (own.len().max(1) as f64 * unit),
         };
         for v in 1..scene.views.len() {
             scene.views[v].borders = scene.border_tables(&scene.views[v]);
@@ -158,6 +160,11 @@ impl<'a> Scene<'a> {
     /// The largest radius of the class, in r_max.
     pub(super) fn largest_radius(&self) -> f64 {
         self.largest_radius
+    }
+
+    /// The mean radius of the class, in r_max.
+    pub(super) fn mean_radius(&self) -> f64 {
+        self.mean_radius
     }
 
     /// The largest Euclidean distance, in r_max, at which an element of `radius` sees one of
