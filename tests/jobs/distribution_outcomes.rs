@@ -1,6 +1,11 @@
 //! What jobs on arrangements say when a pattern cannot be met, and bodies that hold no numbers.
 
+use std::time::Duration;
+use std::time::Instant;
+
 use axum::http::Method;
+use biotope::compute::random::Purpose;
+use biotope::compute::random::Stream;
 use serde_json::Value;
 use serde_json::json;
 
@@ -101,5 +106,35 @@ async fn a_number_too_large_for_one_is_refused_in_the_body_of_every_process() {
             let reply = app.ask(Method::POST, &format!("/processes/{process}/execution"), &[], body).await;
             reply.assert_problem(400, "body-not-json");
         }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn ten_thousand_elements_show_how_far_they_are_and_stop_within_a_second() {
+    let app = TestApp::standard().await;
+    let domain = json!({"type": "rectangle", "min": [0, 0], "max": [100, 100]});
+    let mut random = Stream::new(1, Purpose::new("test.ten-thousand"), 0);
+    let elements: Vec<Value> =
+        (0..100).map(|_| json!({"x": random.range(0.0, 10.0), "y": random.range(0.0, 10.0)})).collect();
+    let exemplar = json!({"elements": elements, "domain": {"type": "rectangle", "min": [0, 0], "max": [10, 10]}});
+    let inputs = json!({"exemplar": exemplar, "target": {"domain": domain, "counts": {"a": 10_000}}});
+    let job = app.submit("disk-synthesis", &json!({ "inputs": inputs })).await;
+    let (mut shown, begin) = (Vec::new(), Instant::now());
+    while shown.len() < 4 && begin.elapsed() < Duration::from_secs(60) {
+        let status = app.get(&job).await.json();
+        assert!(["accepted", "running"].contains(&status["status"].as_str().expect("a state")), "{status}");
+        let percent = status["progress"].as_u64().expect("a number");
+        if shown.last() != Some(&percent) {
+            shown.push(percent);
+        }
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    assert!(shown.len() == 4 && shown.is_sorted(), "{shown:?}");
+    let begin = Instant::now();
+    assert_eq!(app.delete(&job).await.json()["status"], "dismissed");
+    let id = biotope::jobs::queue::JobId::parse(&job.replace("/jobs/", "")).expect("an id");
+    while app.app.jobs.live(id).is_some() {
+        assert!(begin.elapsed() < Duration::from_secs(1), "the work goes on");
+        tokio::time::sleep(Duration::from_millis(5)).await;
     }
 }
