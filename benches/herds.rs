@@ -21,6 +21,8 @@ use std::sync::Arc;
 use std::sync::Mutex;
 use std::time::Instant;
 
+use biotope::compute::geometry::Bounds;
+use biotope::compute::geometry::Ellipse;
 use biotope::compute::geometry::Point;
 use biotope::compute::graph::assignment::assign;
 use biotope::compute::herds::Obstacles;
@@ -72,13 +74,16 @@ fn main() {
     for count in [500, 2000, 5000, 10_000] {
         ours.push(assignment(count, &mut tasks));
     }
-    for count in [1000, 10_000] {
-        ours.push(steps(count, &mut tasks));
+    for (count, rocks) in [(1000, 0), (10_000, 0), (10_000, 300)] {
+        ours.push(steps(count, rocks, &mut tasks));
     }
     std::fs::write(folder.path().join("tasks.json"), serde_json::to_vec(&tasks).unwrap()).unwrap();
     match peers(folder.path()) {
         Ok(theirs) => side_by_side(&ours, &theirs),
-        Err(why) => println!("peers are left out: {why}"),
+        Err(why) => {
+            println!("peers are left out: {why}");
+            side_by_side(&ours, &BTreeMap::new());
+        }
     }
 }
 
@@ -157,17 +162,39 @@ fn assignment(count: usize, tasks: &mut Vec<Value>) -> Figure {
     (name, seconds)
 }
 
-/// A herd that crosses hills, and the seconds of one step.
-fn steps(count: usize, tasks: &mut Vec<Value>) -> Figure {
+/// So many rocks in and around two herds, none on an animal.
+fn rocks_among(count: usize, herds: [&[Ellipse]; 2]) -> Obstacles {
+    let mut random = Stream::new(1, Purpose::new("bench.rocks"), count as u64);
+    let animals = || herds.into_iter().flatten();
+    let bounds = Bounds::of(animals().map(|e| e.centre)).unwrap().grown(20.0);
+    let mut disks = Vec::new();
+    while disks.len() < count {
+        let centre = Point::new(random.range(bounds.min.x, bounds.max.x), random.range(bounds.min.y, bounds.max.y));
+        let radius = random.range(0.5, 1.5);
+        if animals().all(|e| e.centre.distance(centre) > radius + 0.6) {
+            disks.push((centre, radius));
+        }
+    }
+    Obstacles { disks, ..Obstacles::default() }
+}
+
+/// A herd that crosses hills, among rocks or on open ground, and the seconds of one step.
+fn steps(count: usize, rocks: usize, tasks: &mut Vec<Value>) -> Figure {
     let grid = Grid::new(300, 300, 5.0);
     let terrain = Raster { grid, data: (0..grid.len()).map(|i| (grid.centre(i).x as f32 * 0.02).sin()).collect() };
     let from = herds_made::herd(count, Point::new(400.0, 700.0), (3.5, 0.2), 1);
     let to = herds_made::herd(count, Point::new(440.0, 720.0), (3.4, 0.3), 2);
-    let name = format!("a step of {count} animals");
-    tasks.push(json!({
-        "kind": "steps", "name": name, "steps": 50, "velocity": [2.0, 1.0],
-        "places": from.iter().map(|e| [e.centre.x, e.centre.y]).collect::<Vec<_>>(),
-    }));
+    let obstacles = rocks_among(rocks, [&from, &to]);
+    let name = match rocks {
+        0 => format!("a step of {count} animals"),
+        _ => format!("a step of {count} among {rocks} rocks"),
+    };
+    if rocks == 0 {
+        tasks.push(json!({
+            "kind": "steps", "name": name, "steps": 50, "velocity": [2.0, 1.0],
+            "places": from.iter().map(|e| [e.centre.x, e.centre.y]).collect::<Vec<_>>(),
+        }));
+    }
     let frames = [(0.0, from), (20.0, to)].map(|(time_s, herd)| KeyFrame { time_s, pose: KeyPose::Herd(herd) });
     let marks: Arc<Mutex<Vec<(u64, Instant)>>> = Arc::default();
     let seen = Arc::clone(&marks);
@@ -177,7 +204,7 @@ fn steps(count: usize, tasks: &mut Vec<Value>) -> Figure {
         }
     });
     let options = AnimationOptions { keep_every: 10, ..AnimationOptions::default() };
-    animate(&terrain, &Obstacles::default(), &frames, &options, &run).unwrap();
+    animate(&terrain, &obstacles, &frames, &options, &run).unwrap();
     let marks = marks.lock().unwrap();
     let (first, last) = (marks[0], marks[marks.len() - 1]);
     (name, (last.1 - first.1).as_secs_f64() / (last.0 - first.0) as f64)
