@@ -153,9 +153,10 @@ impl Resources {
                 Some(map) => map,
                 None => sunlight(terrain, climate, rules.sunlight, run)?,
             },
-            moisture: given
-                .moisture
-                .unwrap_or_else(|| moisture(terrain, water, climate, (rules.moisture, rules.scales.moisture))),
+            moisture: match given.moisture {
+                Some(map) => map,
+                None => moisture(terrain, water, climate, (rules.moisture, rules.scales.moisture), run)?,
+            },
             texture: given.texture.unwrap_or_else(|| soil::texture(terrain, &soil, &rules.soil)),
             soil,
         })

@@ -50,12 +50,14 @@ struct Grid {
     rows: usize,
     /// What each window holds, over what it would in a uniform pattern.
     counts: Vec<f64>,
+    /// The roots of the counts.
+    roots: Vec<f64>,
     /// What one element in its middle adds to each; 0 for windows that are left out.
     shares: Vec<f64>,
     /// Windows that count.
     whole: usize,
-    /// Σ of the roots of all counts.
-    roots: f64,
+    /// Σ of the roots.
+    sum: f64,
 }
 
 impl Windows {
@@ -76,10 +78,11 @@ impl Windows {
             let touched: Vec<(usize, f64)> = grid.touched(p, self.unit).collect();
             for (window, cone) in touched {
                 let more = (grid.counts[window] + times * cone * grid.shares[window]).max(0.0);
-                growth += more.sqrt() - grid.counts[window].sqrt();
-                grid.counts[window] = more;
+                let root = more.sqrt();
+                growth += root - grid.roots[window];
+                (grid.counts[window], grid.roots[window]) = (more, root);
             }
-            grid.roots += growth;
+            grid.sum += growth;
         }
     }
 
@@ -88,12 +91,11 @@ impl Windows {
         let mean = |grid: &Grid| {
             let growth = p.map_or(0.0, |p| {
                 let root = |(window, cone): (usize, f64)| {
-                    let count = grid.counts[window];
-                    (count + cone * grid.shares[window]).sqrt() - count.sqrt()
+                    (grid.counts[window] + cone * grid.shares[window]).sqrt() - grid.roots[window]
                 };
                 grid.touched(p, self.unit).map(root).sum()
             });
-            (grid.roots + growth) / grid.whole.max(1) as f64
+            (grid.sum + growth) / grid.whole.max(1) as f64
         };
         self.grids.iter().map(mean).collect()
     }
@@ -121,7 +123,8 @@ impl Grid {
         };
         let shares: Vec<f64> = (0..columns * rows).into_par_iter().map(share).collect();
         let whole = shares.iter().filter(|share| **share > 0.0).count();
-        Self { radius, origin, step, columns, rows, counts: vec![0.0; shares.len()], shares, whole, roots: 0.0 }
+        let empty = vec![0.0; shares.len()];
+        Self { radius, origin, step, columns, rows, counts: empty.clone(), roots: empty, shares, whole, sum: 0.0 }
     }
 
     /// The windows that count and hold `p`, and how high their cones are there.
@@ -131,10 +134,14 @@ impl Grid {
             let at = |v: f64| ((v / self.step + 1.0).max(0.0) as usize).min(count);
             at(v - reach)..at(v + reach)
         };
-        let offset = p - self.origin;
+        let (offset, near) = (p - self.origin, reach * reach * (1.0 + 1e-9));
         let (columns, rows) = (span(offset.x, self.columns), span(offset.y, self.rows));
         rows.flat_map(move |row| columns.clone().map(move |column| (column, row))).filter_map(move |(column, row)| {
             let middle = Point::new(column as f64, row as f64) * self.step;
+            let (x, y) = (middle.x - offset.x, middle.y - offset.y);
+            if x * x + y * y > near {
+                return None;
+            }
             let cone = 1.0 - middle.distance(offset) / reach;
             let window = row * self.columns + column;
             (cone > 0.0 && self.shares[window] > 0.0).then_some((window, cone))

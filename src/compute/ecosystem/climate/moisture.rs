@@ -30,6 +30,8 @@ use crate::compute::ecosystem::terrain::Terrain;
 use crate::compute::ecosystem::water::Water;
 use crate::compute::raster::Raster;
 use crate::compute::raster::box_mean;
+use crate::compute::run::Run;
+use crate::compute::run::Stopped;
 use rayon::prelude::*;
 
 /// Moisture of ground that is full of water in its wettest month: 7 is "flooded for weeks" in
@@ -70,12 +72,16 @@ pub fn moisture(
     water: &Water,
     climate: &Climate,
     (rules, scale): (MoistureRules, MoistureScale),
-) -> MonthlyMap {
+    run: &Run,
+) -> Result<MonthlyMap, Stopped> {
     let rain = climate.months.map(|m| libm::log(m.precipitation_mm.max(rules.min_precipitation_mm)));
     let mean = rain.iter().sum::<f64>() / MONTHS as f64;
     let (convert, offset) = conversion(scale, rain.map(|month| month - mean));
     let (wettest, driest) = offset.iter().fold((0.0, 0.0), |(w, d), o| (o.max(w), o.min(d)));
-    let index = box_mean(&drainage_index(terrain, water, &rules), SMOOTHING);
+    let index = drainage_index(terrain, water, &rules);
+    run.check()?;
+    let index = box_mean(&index, SMOOTHING);
+    run.check()?;
     let ground = |cell: usize| {
         let dry = convert(f64::from(index.data[cell]) + mean).min(SATURATED - wettest);
         let damp = libm::exp(-above_water(terrain, water, cell) / rules.damp_height_m);
@@ -87,7 +93,8 @@ pub fn moisture(
         false => ground(cell),
     };
     let data = (0..terrain.grid().len()).into_par_iter().map(|cell| value(cell) as f32).collect();
-    MonthlyMap::Shifted { base: Raster { grid: terrain.grid(), data }, offset: offset.map(|o| o as f32) }
+    run.check()?;
+    Ok(MonthlyMap::Shifted { base: Raster { grid: terrain.grid(), data }, offset: offset.map(|o| o as f32) })
 }
 
 /// How high the middle of the ground of a cell lies above the nearest water, m. In a cell with a
@@ -149,7 +156,6 @@ mod tests {
     use crate::compute::ecosystem::scales::Scales;
     use crate::compute::ecosystem::water::WaterRules;
     use crate::compute::raster::Grid;
-    use crate::compute::run::Run;
 
     fn climate(precipitation_mm: [f64; MONTHS]) -> Climate {
         let months = precipitation_mm.map(|precipitation_mm| MonthClimate {
@@ -165,7 +171,8 @@ mod tests {
         let data = (0..grid.len()).map(|i| grid.centre(i)).map(|p| height(p.x, p.y) as f32).collect();
         let terrain = Terrain::new(Raster { grid, data }, &Run::silent()).unwrap();
         let water = Water::derived(&terrain.height, &WaterRules::default(), &Run::silent()).unwrap();
-        moisture(&terrain, &water, &climate(rain), (MoistureRules::default(), scales.moisture))
+        let rules = (MoistureRules::default(), scales.moisture);
+        moisture(&terrain, &water, &climate(rain), rules, &Run::silent()).unwrap()
     }
 
     #[test]

@@ -155,7 +155,7 @@ pub fn fitness(
     options: &FitnessOptions,
 ) -> Result<Fitness, Stopped> {
     let ranges = Distinct::new(species.iter().map(|s| s.temperature.range));
-    let kernel = Kernel::new(species, resources, options, &ranges);
+    let kernel = Kernel::new(species, resources, (options, &ranges), run)?;
     let grid = resources.soil.grid;
     let mut levels = vec![Raster::filled(grid, 0_u8); species.len()];
     let slabs = slabs::cut(levels.iter_mut().map(|map| map.data.as_mut_slice()), grid.len());
@@ -192,11 +192,11 @@ impl<'a> Kernel<'a> {
     fn new(
         species: &'a [PlantSpecies],
         resources: &'a Resources,
-        options: &'a FitnessOptions,
-        ranges: &'a Distinct<Interval>,
-    ) -> Self {
+        (options, ranges): (&'a FitnessOptions, &'a Distinct<Interval>),
+        run: &Run,
+    ) -> Result<Self, Stopped> {
         let light = |s: &PlantSpecies| Window::light(s.illumination.range, &options.scales.illumination);
-        Self {
+        Ok(Self {
             species,
             resources,
             needs: options.needs,
@@ -205,8 +205,11 @@ impl<'a> Kernel<'a> {
             moisture: Distinct::new(species.iter().map(|s| Window::plain(s.moisture.range))),
             temperature: Temperatures::new(resources, &ranges.items, options.months, &options.scales.temperature),
             temperature_of: &ranges.of,
-            tree_line: options.tree_line_c.map_or_else(TreeLine::none, |c| TreeLine::new(resources, c)),
-        }
+            tree_line: match options.tree_line_c {
+                Some(line_c) => TreeLine::new(resources, line_c, run)?,
+                None => TreeLine::none(),
+            },
+        })
     }
 
     fn fill(&self, mut slab: Slab<u8>) -> Vec<Met> {

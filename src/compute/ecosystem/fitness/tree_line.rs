@@ -11,6 +11,8 @@ use crate::compute::ecosystem::fitness::temperature::mean_c;
 use crate::compute::ecosystem::resources::MONTHS;
 use crate::compute::ecosystem::resources::Resources;
 use crate::compute::ecosystem::species::Stratum;
+use crate::compute::run::Run;
+use crate::compute::run::Stopped;
 use rayon::prelude::*;
 
 /// Mean of the warmest month below which trees end, °C.
@@ -36,9 +38,11 @@ impl TreeLine {
     }
 
     /// The line where the warmest month's mean is `line_c`.
-    pub(super) fn new(resources: &Resources, line_c: f64) -> Self {
+    pub(super) fn new(resources: &Resources, line_c: f64, run: &Run) -> Result<Self, Stopped> {
         let light = yearly_light(resources);
+        run.check()?;
         let open = median(&light);
+        run.check()?;
         let tallest = |(cell, light): (usize, &f32)| {
             let warmest = (0..MONTHS).map(|m| mean_c(resources, m, cell)).fold(f32::NEG_INFINITY, f32::max);
             let ratio = (light / open).clamp(RATIOS.0, RATIOS.1);
@@ -49,7 +53,7 @@ impl TreeLine {
                 _ => Stratum::Herb,
             }
         };
-        Self(light.par_iter().enumerate().map(tallest).collect())
+        Ok(Self(light.par_iter().enumerate().map(tallest).collect()))
     }
 
     /// Whether plants of a stratum can live in a cell.
