@@ -318,8 +318,8 @@ fn room(herd: &[Ellipse]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::KeyPose;
     use super::*;
+    use crate::compute::herds::animation::KeyPose;
 
     fn ellipse(x: f64, y: f64, theta: f64) -> Ellipse {
         Ellipse { centre: Point::new(x, y), a: 1.2, b: 0.5, theta }

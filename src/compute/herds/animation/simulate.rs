@@ -320,13 +320,13 @@ const BRAKE_S: f64 = 1.0;
 
 #[cfg(test)]
 mod tests {
-    use super::super::KeyFrame;
-    use super::super::KeyPose;
-    use super::super::PairingMetric;
-    use super::super::frames;
     use super::*;
     use crate::compute::geometry::Ellipse;
     use crate::compute::herds::Obstacles;
+    use crate::compute::herds::animation::KeyFrame;
+    use crate::compute::herds::animation::KeyPose;
+    use crate::compute::herds::animation::PairingMetric;
+    use crate::compute::herds::animation::frames;
     use crate::compute::raster::Grid;
     use crate::compute::raster::Raster;
 

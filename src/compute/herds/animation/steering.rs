@@ -179,11 +179,11 @@ impl Company {
 
 #[cfg(test)]
 mod tests {
-    use super::super::KeyFrame;
-    use super::super::KeyPose;
     use super::*;
     use crate::compute::geometry::Ellipse;
     use crate::compute::herds::Obstacles;
+    use crate::compute::herds::animation::KeyFrame;
+    use crate::compute::herds::animation::KeyPose;
     use crate::compute::raster::Grid;
     use crate::compute::raster::Raster;
     use crate::compute::run::Run;
