@@ -12,8 +12,8 @@ use biotope_api::warning::WarningCode;
 use serde_json::Value;
 
 use crate::codec::map::Georeference;
+use crate::compute::geometry::Bounds;
 use crate::compute::geometry::Ellipse;
-use crate::compute::geometry::Point;
 use crate::compute::herds::Obstacles;
 use crate::compute::herds::key_herd;
 use crate::compute::herds::key_herd::DensitySource;
@@ -138,9 +138,7 @@ fn off_terrain(place: &Place, land: &Land, density: &DensitySource) -> Invalid {
     if matches!(density, DensitySource::Painted(_)) || land.height.at(place.centre).is_some() {
         return Invalid::default();
     }
-    let grid = land.height.grid;
-    let (width, height) = (grid.width as f64 * grid.cell_m, grid.height as f64 * grid.cell_m);
-    let (min, max) = (grid.origin, grid.origin + Point::new(width, height));
+    let Bounds { min, max } = land.height.grid.bounds();
     let expected = format!("a middle of the herd on the terrain: x {} to {}, y {} to {}", min.x, max.x, min.y, max.y);
     Invalid::new("/place", ErrorCode::OffTerrain, expected, format!("({}, {})", place.centre.x, place.centre.y))
 }

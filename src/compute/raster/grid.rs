@@ -1,3 +1,4 @@
+use crate::compute::geometry::Bounds;
 use crate::compute::geometry::Point;
 use rayon::prelude::*;
 
@@ -37,6 +38,12 @@ impl Grid {
     /// Whether there are no cells.
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// What the cells cover, in metres.
+    pub fn bounds(&self) -> Bounds {
+        let extent = Point::new(self.width as f64 * self.cell_m, self.height as f64 * self.cell_m);
+        Bounds::new(self.origin, self.origin + extent)
     }
 
     /// Area of one cell in m².

@@ -299,8 +299,7 @@ fn way_points(inputs: &[WaypointInput], places: &[Place], animals: &Animals) -> 
 }
 
 fn place(pointer: &str, input: &PlaceInput, grid: &Grid) -> Result<Place, Invalid> {
-    let extent = Point::new(grid.width as f64 * grid.cell_m, grid.height as f64 * grid.cell_m);
-    let bounds = Bounds::new(grid.origin, grid.origin + extent);
+    let bounds = grid.bounds();
     let centre = Point::new(input.x, input.y);
     let radius_m = input.radius_m.unwrap_or(1.5 * grid.cell_m);
     if !bounds.contains(centre) {

@@ -135,9 +135,7 @@ impl Chooser<'_> {
                 |q: &Point| clearance.sees(place, *q, room) && clearance.sees(*q, goal, width.min(clearance.at(goal)));
             CORNERS.into_iter().map(at).find(is_corner)
         };
-        let side = if ray.cross(Point::from_angle(mover.heading)) >= 0.0 { 1.0 } else { -1.0 };
-        let turns = (1..=VIEW_STEPS).flat_map(|k| [side, -side].map(|s| s * f64::from(k) * VIEW_STEP_RAD));
-        let (mut free, mut found) = turns.filter_map(|turn| Some((turn, corner(turn)?))).next()?;
+        let (mut free, mut found) = turns(mover, ray).filter_map(|turn| Some((turn, corner(turn)?))).next()?;
         // As near the rim as there is room: a look in whole steps would make it waver.
         let mut blocked = free - VIEW_STEP_RAD.copysign(free);
         for _ in 0..HALVINGS {
@@ -155,8 +153,13 @@ impl Chooser<'_> {
     fn detour(&self, mover: &Mover, guide: Point, sees: impl Fn(Point) -> bool) -> Option<Point> {
         let to_guide = guide - mover.place;
         let ray = to_guide.normalised()? * to_guide.norm().min(VIEW_BODY_LENGTHS * 2.0 * self.longest);
-        let side = if ray.cross(Point::from_angle(mover.heading)) >= 0.0 { 1.0 } else { -1.0 };
-        let turns = (1..=VIEW_STEPS).flat_map(|k| [side, -side].map(|s| s * f64::from(k) * VIEW_STEP_RAD));
-        turns.map(|turn| mover.place + ray.rotated(turn)).find(|q| sees(*q))
+        turns(mover, ray).map(|turn| mover.place + ray.rotated(turn)).find(|q| sees(*q))
     }
+}
+
+/// The turns from `ray` in which an animal looks, in radians: the least first, of both sides the
+/// one it already looks to.
+fn turns(mover: &Mover, ray: Point) -> impl Iterator<Item = f64> {
+    let side = if ray.cross(Point::from_angle(mover.heading)) >= 0.0 { 1.0 } else { -1.0 };
+    (1..=VIEW_STEPS).flat_map(move |k| [side, -side].map(|s| s * f64::from(k) * VIEW_STEP_RAD))
 }

@@ -78,9 +78,7 @@ impl<'a> Ground<'a> {
 }
 
 fn working_grid(wanted: Bounds, terrain: Grid, body: f64) -> Grid {
-    let (w, h) = (terrain.width as f64 * terrain.cell_m, terrain.height as f64 * terrain.cell_m);
-    let min = Point::new(wanted.min.x.max(terrain.origin.x), wanted.min.y.max(terrain.origin.y));
-    let max = Point::new(wanted.max.x.min(terrain.origin.x + w), wanted.max.y.min(terrain.origin.y + h));
+    let Bounds { min, max } = wanted.within(terrain.bounds());
     let (width, height) = ((max.x - min.x).max(1e-3), (max.y - min.y).max(1e-3));
     let cell_m = (0.5 * body).max((width * height / MAX_CELLS).sqrt()).max(width.max(height) / 20_000.0);
     // Whole cells only, so that the map never reaches past the terrain.
