@@ -93,7 +93,9 @@ pub enum DomainInput {
     },
     /// Learnt from the elements: Delaunay triangles up to a size, with a margin.
     FreeForm {
-        /// Triangles up to this circumradius, in r_max, belong to the domain. Default: 2.
+        /// Triangles up to this circumradius, in r_max, belong to the domain. Default: a size learnt
+        /// from the triangles themselves, about 2 for elements that do not care for each other, less
+        /// for those that keep apart, more for groups.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0))]
         max_circumradius: Option<f64>,
@@ -102,7 +104,8 @@ pub enum DomainInput {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 1.0))]
         edge_ratio: Option<f64>,
-        /// The border is moved outwards by this many √(area/n). Default: 0.4.
+        /// The border is moved outwards by this many √(area/n). Default: as far as the elements lie
+        /// inside lines along which they are cut, about 0.45.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 0.0, max = 10.0))]
         margin: Option<f64>,

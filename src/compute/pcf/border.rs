@@ -3,19 +3,22 @@
 use crate::compute::geometry::Point;
 use crate::compute::geometry::Polygon;
 use crate::compute::geometry::Region;
-use crate::compute::geometry::ring_area_doubled;
-use crate::compute::geometry::simple_rings;
 use crate::compute::pcf::PcfError;
+use crate::compute::pcf::inset::inset;
 use crate::compute::pcf::maximal_spacing;
-use spade::DelaunayTriangulation;
-use spade::Point2;
-use spade::Triangulation;
+use crate::compute::pcf::mesh::Limit;
+use crate::compute::pcf::mesh::Mesh;
 
 /// Which Delaunay triangles are part of the domain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BorderRule {
-    /// Those whose circumradius is at most this many r_max. Ours: on uniform patterns it keeps
-    /// the domain whole and still finds holes and bays a few spacings wide.
+    /// Those no larger than the pattern's own: of a circumradius up to [`LARGEST`] times the
+    /// median over the area kept. Ours: that is 2 r_max for points that do not care for each
+    /// other, less for those that keep apart, whose holes and bays it follows more closely, and
+    /// more for groups, whose gaps it keeps.
+    Typical,
+    /// Those whose circumradius is at most this many r_max. At 2, uniform patterns keep their
+    /// domain whole, and holes and bays a few spacings wide are found.
     Circumradius(f64),
     /// T's: an edge longer than this many times the shortest at either of its ends is dropped,
     /// and a triangle with it. T uses 3, which keeps a fifth of the area of a uniform pattern.
@@ -25,21 +28,32 @@ pub enum BorderRule {
 /// How a border is learnt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BorderOptions {
-    /// Which triangles are kept. Default: circumradius up to 2 r_max.
+    /// Which triangles are kept. Default: those no larger than the pattern's own.
     pub rule: BorderRule,
     /// The border is moved outwards by this many √(A/n), because the outermost points lie
-    /// inside the domain they were drawn from. Default: 0.4 (see the tests on known domains).
-    pub margin: f64,
+    /// inside the domain they were drawn from. Default: as far as the points lie inside lines
+    /// along which they are cut: about 0.45 for points that do not care for each other, a little
+    /// less for those that keep apart, more for groups.
+    pub margin: Option<f64>,
 }
 
 impl Default for BorderOptions {
     fn default() -> Self {
-        Self { rule: BorderRule::Circumradius(2.0), margin: 0.4 }
+        Self { rule: BorderRule::Typical, margin: None }
     }
 }
 
-/// Rounds in which r_max and the area it comes from are made to agree.
-const AREA_ROUNDS: usize = 8;
+/// The largest circumradius over the pattern's own. Ours: it makes the limit of independent
+/// points 2 r_max, as the sizes of their triangles are known (Miles 1970: the squared circumradius
+/// of triangles drawn by area, times πn/A, has a gamma distribution of shape 3, median 2.674).
+const LARGEST: f64 = 2.33;
+
+/// The limit is at least and at most this many r_max, whatever the pattern. Ours: the first is
+/// twice the circumradius in a hexagonal lattice; past the second, bays are bridged.
+const BOUNDS: [f64; 2] = [1.15, 3.5];
+
+/// Rounds in which the triangles kept and the sizes that follow from them are made to agree.
+const ROUNDS: usize = 8;
 
 /// The domain that `points` seem to have been drawn from. Points that no kept triangle holds
 /// get a small patch of their own, so that every point lies inside.
@@ -47,23 +61,44 @@ const AREA_ROUNDS: usize = 8;
 /// # Errors
 /// [`PcfError::NoBorder`] for fewer than three places or when all lie on one line.
 pub fn learn_border(points: &[Point], options: &BorderOptions) -> Result<Region, PcfError> {
+    // 1. Triangles, and which of them are part of the domain.
     let mesh = Mesh::of(points)?;
-    let count = points.len() as f64;
     let mut kept = vec![true; mesh.triangles.len()];
-    let mut area = mesh.area_of(&kept);
-    for _ in 0..AREA_ROUNDS {
-        let next = mesh.kept(options.rule, maximal_spacing(area, points.len()));
+    let (hull, mut limit) = (mesh.area_of(&kept), Limit::Circumradius(f64::INFINITY));
+    for _ in 0..ROUNDS {
+        limit = options.rule.limit(&mesh, &kept, maximal_spacing(area(&mesh, &kept, hull), points.len()));
+        let next = mesh.kept(limit);
         let settled = next == kept;
         kept = next;
-        area = mesh.area_of(&kept).max(mesh.area_of(&vec![true; kept.len()]) * 1e-6);
         if settled {
             break;
         }
     }
-    let margin = options.margin * (area / count).sqrt();
+    // 2. How far past the outermost points the domain goes on.
+    let spacing = (area(&mesh, &kept, hull) / points.len() as f64).sqrt();
+    let margin = options.margin.unwrap_or_else(|| inset(&mesh, spacing, limit)) * spacing;
+    // 3. Their outline, so much wider.
     let mut polygons = mesh.outline(&kept);
-    polygons.extend(mesh.lone_points(&kept).map(|p| patch(p, margin.max(1e-3 * (area / count).sqrt()))));
+    polygons.extend(mesh.lone_points(&kept).map(|p| patch(p, margin.max(1e-3 * spacing))));
     Ok(Region::from_polygons(&polygons)?.grown(margin))
+}
+
+/// The area kept, of which nothing may be left.
+fn area(mesh: &Mesh, kept: &[bool], hull: f64) -> f64 {
+    mesh.area_of(kept).max(hull * 1e-6)
+}
+
+impl BorderRule {
+    fn limit(self, mesh: &Mesh, kept: &[bool], r_max: f64) -> Limit {
+        match self {
+            Self::Typical => {
+                let own = LARGEST * mesh.median_circumradius(kept);
+                Limit::Circumradius(own.clamp(BOUNDS[0] * r_max, BOUNDS[1] * r_max))
+            }
+            Self::Circumradius(most) => Limit::Circumradius(most * r_max),
+            Self::EdgeRatio(most) => Limit::EdgeRatio(most),
+        }
+    }
 }
 
 /// A small square around a point that no triangle holds; growing makes it the usual size.
@@ -71,142 +106,6 @@ fn patch(p: Point, margin: f64) -> Polygon {
     let h = margin * 1e-3;
     let corner = |x: f64, y: f64| p + Point::new(x * h, y * h);
     Polygon { outer: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)], holes: vec![] }
-}
-
-/// The Delaunay triangulation, as plain arrays.
-struct Mesh {
-    points: Vec<Point>,
-    triangles: Vec<[usize; 3]>,
-    circumradii: Vec<f64>,
-}
-
-impl Mesh {
-    fn of(points: &[Point]) -> Result<Self, PcfError> {
-        let mut places: Vec<Point> = points.to_vec();
-        places.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-        places.dedup();
-        if places.len() < 3 {
-            return Err(PcfError::NoBorder { reason: "fewer than three different places" });
-        }
-        let sites: Vec<Point2<f64>> = places.iter().map(|p| Point2::new(p.x, p.y)).collect();
-        let failed = |_| PcfError::NoBorder { reason: "a coordinate that is not finite or too large" };
-        let mesh: DelaunayTriangulation<Point2<f64>> =
-            DelaunayTriangulation::bulk_load_stable(sites).map_err(failed)?;
-        let triangles: Vec<[usize; 3]> = mesh.inner_faces().map(|f| f.vertices().map(|v| v.index())).collect();
-        let circumradii = mesh.inner_faces().map(|f| f.circumcircle().1.sqrt()).collect();
-        let mesh = Self { points: places, triangles, circumradii };
-        let extent = mesh.points[mesh.points.len() - 1].distance(mesh.points[0]);
-        if mesh.area_of(&vec![true; mesh.triangles.len()]) <= extent * extent * 1e-9 {
-            return Err(PcfError::NoBorder { reason: "all points lie on one line" });
-        }
-        Ok(mesh)
-    }
-
-    fn area_of(&self, kept: &[bool]) -> f64 {
-        let area = |t: &[usize; 3]| ring_area_doubled(&t.map(|v| self.points[v])).abs() / 2.0;
-        self.triangles.iter().zip(kept).filter(|(_, kept)| **kept).map(|(t, _)| area(t)).sum()
-    }
-
-    fn kept(&self, rule: BorderRule, r_max: f64) -> Vec<bool> {
-        match rule {
-            BorderRule::Circumradius(most) => self.circumradii.iter().map(|r| *r <= most * r_max).collect(),
-            BorderRule::EdgeRatio(most) => {
-                let shortest = self.shortest_edges();
-                let length = |a: usize, b: usize| self.points[a].distance(self.points[b]);
-                let stays = |(a, b): (usize, usize)| length(a, b) <= most * shortest[a].min(shortest[b]);
-                self.triangles.iter().map(|t| edges(t).into_iter().all(stays)).collect()
-            }
-        }
-    }
-
-    fn shortest_edges(&self) -> Vec<f64> {
-        let mut shortest = vec![f64::INFINITY; self.points.len()];
-        for (a, b) in self.triangles.iter().flat_map(edges) {
-            let length = self.points[a].distance(self.points[b]);
-            shortest[a] = shortest[a].min(length);
-            shortest[b] = shortest[b].min(length);
-        }
-        shortest
-    }
-
-    /// The edges that belong to one kept triangle only, chained into rings and polygons.
-    fn outline(&self, kept: &[bool]) -> Vec<Polygon> {
-        let mut directed: Vec<(usize, usize)> = Vec::new();
-        for (t, _) in self.triangles.iter().zip(kept).filter(|(_, kept)| **kept) {
-            directed.extend(edges(t));
-        }
-        directed.sort_unstable();
-        let is_border = |(a, b): &(usize, usize)| directed.binary_search(&(*b, *a)).is_err();
-        let border: Vec<(usize, usize)> = directed.iter().copied().filter(is_border).collect();
-        assemble(self.rings(border))
-    }
-
-    /// Chains edges with the domain on their left; where several leave a vertex, the sharpest
-    /// left turn keeps parts of the domain apart that only meet there, and what is cut off by a
-    /// ring that touches itself is a hole.
-    fn rings(&self, border: Vec<(usize, usize)>) -> Vec<Vec<Point>> {
-        let mut used = vec![false; border.len()];
-        let mut rings = Vec::new();
-        for start in 0..border.len() {
-            if used[start] {
-                continue;
-            }
-            let (mut edge, mut ring) = (start, Vec::new());
-            loop {
-                used[edge] = true;
-                let (from, to) = border[edge];
-                ring.push(self.points[from]);
-                let first = border.partition_point(|e| *e < (to, 0));
-                let leaving = (first..border.len()).take_while(|e| border[*e].0 == to).filter(|e| !used[*e]);
-                let back = self.points[from] - self.points[to];
-                let turn = |e: &usize| clockwise_angle(back, self.points[border[*e].1] - self.points[to]);
-                match leaving.min_by(|a, b| turn(a).total_cmp(&turn(b))) {
-                    Some(next) => edge = next,
-                    None => break,
-                }
-            }
-            rings.extend(simple_rings(&ring));
-        }
-        rings
-    }
-
-    fn lone_points(&self, kept: &[bool]) -> impl Iterator<Item = Point> {
-        let mut held = vec![false; self.points.len()];
-        for v in self.triangles.iter().zip(kept).filter(|(_, kept)| **kept).flat_map(|(t, _)| t) {
-            held[*v] = true;
-        }
-        self.points.iter().zip(held).filter(|(_, held)| !held).map(|(p, _)| *p)
-    }
-}
-
-fn edges(t: &[usize; 3]) -> [(usize, usize); 3] {
-    [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]
-}
-
-/// How far one turns clockwise from direction `a` to direction `b`, in (0, 2π].
-fn clockwise_angle(a: Point, b: Point) -> f64 {
-    let angle = libm::atan2(b.cross(a), b.dot(a)).rem_euclid(std::f64::consts::TAU);
-    if angle == 0.0 { std::f64::consts::TAU } else { angle }
-}
-
-/// Polygons of rings: counter-clockwise ones are outer, each clockwise one is a hole of the
-/// smallest outer ring around it.
-fn assemble(rings: Vec<Vec<Point>>) -> Vec<Polygon> {
-    let (outer, holes): (Vec<_>, Vec<_>) = rings.into_iter().partition(|r| ring_area_doubled(r) > 0.0);
-    let mut polygons: Vec<Polygon> = outer.into_iter().map(|outer| Polygon { outer, holes: Vec::new() }).collect();
-    polygons.sort_by(|a, b| ring_area_doubled(&a.outer).total_cmp(&ring_area_doubled(&b.outer)));
-    let regions: Vec<Option<Region>> = polygons
-        .iter()
-        .map(|p| Region::from_normal_form(vec![Polygon { outer: p.outer.clone(), holes: Vec::new() }]).ok())
-        .collect();
-    for hole in holes.into_iter().filter(|h| h.len() >= 3) {
-        let inner = (hole[0] + hole[1]) * 0.5;
-        let around = regions.iter().position(|r| r.as_ref().is_some_and(|r| r.contains(inner)));
-        if let Some(polygon) = around {
-            polygons[polygon].holes.push(hole);
-        }
-    }
-    polygons
 }
 
 #[cfg(test)]
@@ -249,7 +148,7 @@ mod tests {
     #[test]
     fn the_rule_of_the_text_keeps_far_less_of_a_uniform_pattern() {
         let points = uniform(300, 3, |_| true);
-        let area = |rule| learn_border(&points, &BorderOptions { rule, margin: 0.0 }).unwrap().area();
+        let area = |rule| learn_border(&points, &BorderOptions { rule, margin: Some(0.0) }).unwrap().area();
         assert!(area(BorderRule::EdgeRatio(3.0)) < 0.6 * area(BorderRule::Circumradius(2.0)));
     }
 }

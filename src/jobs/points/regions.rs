@@ -62,7 +62,7 @@ pub fn border_options(max_circumradius: Option<f64>, edge_ratio: Option<f64>, ma
         (None, Some(radius)) => BorderRule::Circumradius(radius),
         (None, None) => default.rule,
     };
-    BorderOptions { rule, margin: margin.unwrap_or(default.margin) }
+    BorderOptions { rule, margin }
 }
 
 /// The border learnt from `elements`.
