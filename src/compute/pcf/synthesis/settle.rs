@@ -49,6 +49,10 @@ const MOST_AT_ONCE: usize = 16;
 /// Of this many elements one is looked at at one time, so that what is found mostly still holds.
 const ELEMENTS_EACH: usize = 12;
 
+/// Of the places an element would move to, this many are looked at again when others have moved
+/// since.
+const RIVALS: usize = 4;
+
 /// What a round of settling did.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Round {
@@ -78,10 +82,12 @@ pub(super) fn settle(
             batch.iter().map(|i| (*i, choices((patch, &settling.filling, &hosts), *i, &mut random))).collect();
         let wishes = settling.wishes(&choices);
         let mut moved_here = 0;
-        for ((i, choices), wish) in choices.iter().zip(&wishes).filter(|(_, wish)| wish.is_to_move) {
-            // What was wished for may not be the best any more once another has moved.
-            let first = wish.place.filter(|_| moved_here == 0).map(Choices::only);
-            moved_here += usize::from(settling.settle(*i, first.as_ref().unwrap_or(choices)) == Settled::Moved);
+        for ((i, _), wish) in choices.iter().zip(&wishes).filter(|(_, wish)| !wish.better.is_empty()) {
+            // What was wished for most may not be the best any more once another has moved.
+            let rivals = if moved_here == 0 { 1 } else { RIVALS };
+            let near = wish.better.iter().take(rivals).copied().collect();
+            let choices = Choices { near, anywhere: Vec::new() };
+            moved_here += usize::from(settling.settle(*i, &choices) == Settled::Moved);
         }
         moved += moved_here;
         burdens.extend(wishes.iter().map(|wish| wish.burden));
@@ -98,12 +104,6 @@ pub(super) struct Choices {
     pub(super) near: Vec<Point>,
     /// Of these the ones that fit best at large.
     pub(super) anywhere: Vec<Point>,
-}
-
-impl Choices {
-    fn only(p: Point) -> Self {
-        Self { near: vec![p], anywhere: Vec::new() }
-    }
 }
 
 /// Places to try for element `i`.
@@ -237,14 +237,14 @@ impl<'a> Settling<'a> {
     /// Moves element `i` to the best of its own place and `choices`, ties to the first.
     pub(super) fn settle(&mut self, i: usize, choices: &Choices) -> Settled {
         let wish = self.chooser.best((&self.filling, &self.weights, self.bearable), i, choices);
-        match wish.place {
-            None => Settled::Homeless,
-            Some(place) if wish.is_to_move => {
+        match wish.better.first() {
+            Some(place) => {
                 let old = self.filling.inner.list()[i];
-                self.put(i, &old, place);
+                self.put(i, &old, *place);
                 Settled::Moved
             }
-            Some(_) => Settled::Stayed,
+            None if wish.may_stay => Settled::Stayed,
+            None => Settled::Homeless,
         }
     }
 
@@ -273,12 +273,12 @@ impl<'a> Settling<'a> {
 }
 
 /// Where an element had better be.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Wish {
-    /// The best of the places; none when all are too near another of the class.
-    place: Option<Point>,
-    /// Whether that is not its own place.
-    is_to_move: bool,
+    /// Whether its own place is not too near another of the class.
+    may_stay: bool,
+    /// The places that are better than its own, the best first.
+    better: Vec<Point>,
     /// By how much it raises the squared errors where it is.
     burden: f64,
 }
@@ -301,7 +301,7 @@ impl<'a> Chooser<'a> {
         }
     }
 
-    /// The best place for element `i`, its own the first of the choices.
+    /// Which of the choices are better for element `i` than its own place.
     fn best(&mut self, (filling, weights, bearable): (&Filling, &Rows, f64), i: usize, choices: &Choices) -> Wish {
         let (old, count) = (filling.inner.list()[i], filling.sums.placed);
         self.trial.take_out(i, filling);
@@ -309,21 +309,18 @@ impl<'a> Chooser<'a> {
         self.trial.errors_without(&mut self.errors, (&filling.sums, count));
         self.at_large.take_out(old.place, filling);
         let burden = self.error(weights, count) + self.at_large.growth(old.place, filling);
-        let mut wish = Wish { place: free.then_some(old.place), is_to_move: false, burden };
-        if free && burden < bearable {
-            return wish;
-        }
-        let mut least = if free { burden } else { f64::INFINITY };
-        for p in choices.near.iter().chain(&self.best_at_large(&choices.anywhere, filling)) {
-            if self.trial.see((*p, old.radius), filling) {
-                let error = self.error(weights, count) + self.at_large.growth(*p, filling);
-                if error < least {
-                    least = error;
-                    wish = Wish { place: Some(*p), is_to_move: true, burden };
+        let mut better: Vec<(f64, Point)> = Vec::new();
+        if !free || burden >= bearable {
+            let most = if free { burden } else { f64::INFINITY };
+            for p in choices.near.iter().chain(&self.best_at_large(&choices.anywhere, filling)) {
+                if self.trial.see((*p, old.radius), filling) {
+                    let error = self.error(weights, count) + self.at_large.growth(*p, filling);
+                    better.extend((error < most).then_some((error, *p)));
                 }
             }
         }
-        wish
+        better.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Wish { may_stay: free, better: better.into_iter().map(|(_, p)| p).collect(), burden }
     }
 
     /// The best of `places` by what is read off fields, which costs little.
