@@ -1,7 +1,10 @@
 //! New arrangements: they keep the curves, the look, the domain, and what was there.
 
 use crate::science::distributions_exemplars as exemplars;
+use biotope::compute::geometry::Bounds;
 use biotope::compute::geometry::Point;
+use biotope::compute::geometry::Polygon;
+use biotope::compute::geometry::Region;
 use biotope::compute::pcf;
 use biotope::compute::pcf::AnalysisOptions;
 use biotope::compute::pcf::BorderOptions;
@@ -21,6 +24,8 @@ use biotope::compute::raster::Raster;
 use biotope::compute::run::Run;
 use biotope::compute::run::StopFlag;
 use exemplars::Exemplar;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::Mutex;
 
@@ -121,6 +126,76 @@ fn holes_are_filled_and_what_was_there_stays() {
     assert!(new.iter().all(|e| !result.known.contains(e.centre)));
     let filled = new.iter().filter(|e| e.centre.distance(Point::new(55.0, 50.0)) < 25.0).count();
     assert!(filled as f64 > 0.7 * new.len() as f64, "{filled} of {}", new.len());
+}
+
+#[test]
+fn what_keeps_to_the_rim_of_trees_does_so_in_holes_and_at_the_border() {
+    // A round hole, in which trees are laid out too, and a strip along the border with hardly any of
+    // them, where those that are cut off could stand outside.
+    let forest = exemplars::forest(1);
+    let strip = Region::rectangle(Bounds::new(Point::new(95.0, 0.0), Point::new(100.0, 100.0))).unwrap();
+    let hole = disk_region(Point::new(45.0, 50.0), 16.0);
+    let known = forest.domain.minus(&strip).and_then(|rest| rest.minus(&hole)).unwrap();
+    let left: Vec<Element> = forest.elements.iter().filter(|e| known.contains(e.centre)).copied().collect();
+    let inpaint = |seed: u64| {
+        let options = InpaintingOptions {
+            known: Known::Region(known.clone()),
+            analysis: AnalysisOptions::of(Metric::Disk),
+            synthesis: SynthesisOptions { seed, ..SynthesisOptions::default() },
+        };
+        pcf::inpaint(&left, &forest.domain, (&forest.graph, &options), &Run::silent()).unwrap().synthesis
+    };
+    let (mut error, mut astray, mut in_hole, mut new) = (0.0, 0, 0, 0);
+    for result in (1..=6).into_par_iter().map(inpaint).collect::<Vec<Synthesis>>() {
+        let trees = of_class(&result.elements, 0);
+        let is_astray = |e: &&Element| trees.iter().all(|t| (t.centre.distance(e.centre) - t.radius).abs() > 1.5);
+        let mushrooms = of_class(&result.elements[left.len()..], 2);
+        astray += mushrooms.iter().filter(is_astray).count();
+        in_hole += mushrooms.iter().filter(is_astray).filter(|e| hole.contains(e.centre)).count();
+        new += mushrooms.len();
+        error += result.curves.iter().find(|c| (c.curve.child, c.curve.parent) == (2, 0)).unwrap().after / 6.0;
+    }
+    println!("{error:.2}, {astray} of {new} astray, {in_hole} of them in the hole");
+    assert!(error < 0.8 && astray * 4 < new && in_hole <= 3, "{error}: {astray} of {new}, {in_hole} in the hole");
+}
+
+fn disk_region(centre: Point, radius: f64) -> Region {
+    let corner = |k: i32| centre + Point::from_angle(f64::from(k) * TAU / 48.0) * radius;
+    let outer = (0..48).map(corner).collect();
+    Region::from_polygons(&[Polygon { outer, holes: Vec::new() }]).unwrap()
+}
+
+#[test]
+fn where_every_point_of_the_exemplar_has_company_hardly_any_of_the_output_is_alone() {
+    // Pairs of any width: at every single distance most points have nobody.
+    let mut random = Stream::new(5, Purpose::new("test.pairs"), 0);
+    let mut elements: Vec<Element> = Vec::new();
+    for _ in 0..60 {
+        let first = Point::new(random.range(0.0, 10.0), random.range(0.0, 10.0));
+        let second = first + Point::from_angle(random.range(0.0, TAU)) * random.range(0.05, 0.6);
+        let inside = |p: &Point| (0.0..10.0).contains(&p.x) && (0.0..10.0).contains(&p.y);
+        let pair = [first, second].into_iter().filter(inside).map(|centre| Element { centre, radius: 0.0, class: 0 });
+        elements.extend(pair);
+    }
+    let pairs = Exemplar {
+        name: "pairs".into(),
+        elements,
+        domain: exemplars::rectangle(10.0, 10.0),
+        graph: Dependencies::new(1, &[]).unwrap(),
+        metric: Metric::Point,
+    };
+    let alone = |elements: &[Element]| {
+        let is_alone = |e: &&Element| {
+            let clear = pairs.domain.clearance(e.centre, 1.0) > 0.9;
+            clear && elements.iter().all(|o| o == *e || o.centre.distance(e.centre) > 0.9)
+        };
+        elements.iter().filter(is_alone).count()
+    };
+    assert_eq!(alone(&pairs.elements), 0);
+    let outputs: Vec<Synthesis> = (1..=6).into_par_iter().map(|seed| again(&pairs, seed)).collect();
+    let found: usize = outputs.iter().map(|o| alone(&o.elements)).sum();
+    println!("{found} alone in six outputs");
+    assert!(found <= 6, "{found}");
 }
 
 #[test]

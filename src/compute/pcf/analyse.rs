@@ -178,6 +178,8 @@ struct Child<'a> {
 /// What one element sees: a curve for each crowd, and its triplets among its own class.
 struct Seen {
     rows: Vec<Vec<f64>>,
+    /// Places of the axis, from the first, whose circles lie in the domain, by crowd.
+    whole: Vec<usize>,
     triplets: Vec<f64>,
     far: Option<Far>,
 }
@@ -209,8 +211,11 @@ impl Child<'_> {
             };
             let seen: Vec<Option<Seen>> = (start..(start + CHUNK).min(count)).into_par_iter().map(see).collect();
             run.check()?;
-            for Seen { rows, triplets, far } in seen.into_iter().flatten() {
-                rows.into_iter().zip(&mut sums).for_each(|(row, sum)| sum.add(row));
+            for Seen { rows, whole, triplets, far } in seen.into_iter().flatten() {
+                for ((row, whole), sum) in rows.into_iter().zip(whole).zip(&mut sums) {
+                    sum.look_near(&row, whole);
+                    sum.add(row);
+                }
                 sums[0].add_triplets(&triplets);
                 if let Some(Far { pairs, rings }) = far {
                     pairs.iter().zip(&mut tails).for_each(|(pairs, sum)| sum.add(pairs, &rings));
@@ -308,7 +313,8 @@ impl Child<'_> {
             pairs: crowds.iter().map(|crowd| tail.pairs((body.centre, unit), crowd)).collect(),
             rings: tail.rings_inside(&weight),
         });
-        Seen { rows, triplets: triplets.unwrap_or_default(), far }
+        let whole = crowds.iter().map(|crowd| self.correlator.places_within(body, crowd, weight.clearance())).collect();
+        Seen { rows, whole, triplets: triplets.unwrap_or_default(), far }
     }
 
     fn empty_curve(&self, parent: usize) -> Curve {
@@ -323,13 +329,15 @@ impl Child<'_> {
 pub(super) struct CurveSum {
     curve: Curve,
     count: usize,
+    /// How many individual curves there are, by the place up to which their circles are whole.
+    whole: Vec<usize>,
     middles: usize,
     keep: bool,
 }
 
 impl CurveSum {
     pub(super) fn new(curve: Curve, keep: bool) -> Self {
-        Self { curve, count: 0, middles: 0, keep }
+        Self { whole: vec![0; curve.mean.len()], curve, count: 0, middles: 0, keep }
     }
 
     pub(super) fn add(&mut self, row: Vec<f64>) {
@@ -342,6 +350,18 @@ impl CurveSum {
         self.count += 1;
         if self.keep {
             curve.individual.push(row);
+        }
+    }
+
+    /// Looks at how few partners an element with this curve has near, up to the first `whole` places.
+    pub(super) fn look_near(&mut self, row: &[f64], whole: usize) {
+        let (mut sum, mut mass) = (0.0, 0.0);
+        for bin in 0..whole.min(row.len()) {
+            mass += self.curve.mass[bin];
+            sum += row[bin] * self.curve.mass[bin];
+            let (mean, least) = (if mass > 0.0 { sum / mass } else { 0.0 }, &mut self.curve.least_near[bin]);
+            *least = if self.whole[bin] == 0 { mean } else { least.min(mean) };
+            self.whole[bin] += 1;
         }
     }
 
@@ -362,6 +382,9 @@ impl CurveSum {
         for (mean, square) in self.curve.triplets.iter_mut().zip(&mut self.curve.triplet_variance) {
             *mean /= middles;
             *square = (*square / middles - *mean * *mean).max(0.0);
+        }
+        for (least, whole) in self.curve.least_near.iter_mut().zip(&self.whole) {
+            *least = if 2 * whole < self.count { 0.0 } else { *least };
         }
         self.curve.mean.iter_mut().for_each(|v| *v /= count);
         self.curve

@@ -42,6 +42,11 @@ impl BorderWeight {
         Self { around, clearance, cap }
     }
 
+    /// How far the border is, in the element's frame; 0 outside the domain.
+    pub fn clearance(&self) -> f64 {
+        self.clearance
+    }
+
     /// The weight of a pair at `distance`, in the element's frame; from 1 to the cap.
     pub fn at(&self, distance: f64) -> f64 {
         if distance <= self.clearance {
@@ -100,6 +105,12 @@ impl Correlator {
     /// How far, in the frame of `body`, partners in `crowd` can add to its curve.
     pub fn reach(&self, body: &Body, crowd: &Crowd) -> f64 {
         self.metric.reach(self.kernel.axis().reach(), body.radius, crowd.largest_radius)
+    }
+
+    /// The places of the axis, from the first, at which all partners of `body` in `crowd` are
+    /// nearer than `distance` (in its frame).
+    pub fn places_within(&self, body: &Body, crowd: &Crowd, distance: f64) -> usize {
+        self.kernel.axis().bins_up_to(self.metric.value(distance, body.radius, crowd.largest_radius))
     }
 
     /// The same for sums of squared terms.

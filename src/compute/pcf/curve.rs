@@ -29,6 +29,11 @@ pub struct Curve {
     pub lower: Vec<f64>,
     /// Their pointwise greatest value.
     pub upper: Vec<f64>,
+    /// The least running mean Σ curve·M/ΣM of the individual curves up to each place, among those
+    /// whose circles up to there lie in the domain; 0 where fewer than half of them do. A part of
+    /// the validity region (ours): pointwise bounds do not tell an element that has nobody near
+    /// from one whose partners stand a little elsewhere.
+    pub least_near: Vec<f64>,
     /// Mean over the elements of the parent class of Σ over pairs of two different elements of
     /// the child class, both at r: how far those come together (third order). Only if asked for;
     /// else empty.
@@ -88,7 +93,8 @@ impl Curve {
             mass: zeros.clone(),
             mean: zeros.clone(),
             lower: zeros.clone(),
-            upper: zeros,
+            upper: zeros.clone(),
+            least_near: zeros,
             triplets: Vec::new(),
             triplet_variance: Vec::new(),
             tail: Tail::default(),

@@ -58,6 +58,11 @@ impl Axis {
         ((self.extent / self.step + 1e-9) as usize).max(1)
     }
 
+    /// Number of values up to `place`.
+    pub fn bins_up_to(&self, place: f64) -> usize {
+        ((place / self.step + 1e-9).max(0.0) as usize).min(self.bins())
+    }
+
     /// The place of value `bin`.
     pub fn r(&self, bin: usize) -> f64 {
         (bin + 1) as f64 * self.step

@@ -32,6 +32,11 @@ impl BorderTable {
         Self { clearance, per_step: 1.0 / step, values: values.collect() }
     }
 
+    /// How far the border is, in r_max, at most as far as the table reaches; 0 outside the domain.
+    pub(super) fn clearance(&self) -> f64 {
+        self.clearance
+    }
+
     /// The weight of a pair at `distance`, in r_max.
     pub(super) fn at(&self, distance: f64) -> f64 {
         if distance <= self.clearance || self.values.is_empty() {

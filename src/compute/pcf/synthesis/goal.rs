@@ -57,17 +57,26 @@ pub(super) struct Bounds {
     pub(super) above: (Vec<f32>, Vec<f32>),
     /// The same below the lower bound.
     pub(super) below: (Vec<f32>, Vec<f32>),
+    /// The same for kernel sums summed up to each place, below the least of the exemplar's.
+    pub(super) near: (Vec<f32>, Vec<f32>),
 }
 
 impl Bounds {
-    fn new((lower, upper): (&[f64], &[f64]), factors: &[f64], rows: &KernelRows) -> Self {
+    fn new((lower, upper, near): (&[f64], &[f64], &[f64]), factors: &[f64], rows: &KernelRows) -> Self {
         let sided = |sign: f64, bound: &[f64]| {
             let slope = bound.iter().zip(factors).map(|(b, f)| sign * f / b.max(RELATIVE_FLOOR));
             let can_lie = |f: &f64| f64::from(u8::from(*f > 0.0));
             let offset = bound.iter().zip(factors).map(|(b, f)| -sign * can_lie(f) * b / b.max(RELATIVE_FLOOR));
             (rows.aligned(slope), rows.aligned(offset))
         };
-        Self { above: sided(1.0, upper), below: sided(-1.0, lower) }
+        let mut mass = 0.0;
+        let near_slope = near.iter().zip(factors).map(|(least, factor)| {
+            mass += if *factor > 0.0 { 1.0 / factor } else { 0.0 };
+            if mass > 0.0 { -1.0 / (mass * least.max(RELATIVE_FLOOR)) } else { 0.0 }
+        });
+        let near_offset = near.iter().map(|least| least / least.max(RELATIVE_FLOOR));
+        let near = (rows.aligned(near_slope), rows.aligned(near_offset));
+        Self { above: sided(1.0, upper), below: sided(-1.0, lower), near }
     }
 }
 
@@ -78,12 +87,13 @@ impl Goal {
         (factors, reverse): (&[f64], &[f64]),
         (sparse, rows): (&Sparse, &KernelRows),
     ) -> Self {
-        let (lower, upper) = (sparse.of_row(&curve.lower), sparse.of_row(&curve.upper));
+        let (lower, upper, near) =
+            (sparse.of_row(&curve.lower), sparse.of_row(&curve.upper), sparse.of_row(&curve.least_near));
         let factors = sparse.of_row(factors);
         Self {
             mean: sparse.of_row(&curve.mean),
             triplets: sparse.of_row(&curve.triplets),
-            bounds: Bounds::new((&lower, &upper), &factors, rows),
+            bounds: Bounds::new((&lower, &upper, &near), &factors, rows),
             factors: rows.aligned(factors),
             reverse: rows.aligned(sparse.of_row(reverse)),
         }

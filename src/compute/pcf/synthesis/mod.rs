@@ -10,6 +10,7 @@ mod goal;
 mod intensity;
 mod kernel_rows;
 mod layout;
+mod limits;
 mod meter;
 mod outliers;
 mod partners;

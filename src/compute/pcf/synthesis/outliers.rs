@@ -1,6 +1,7 @@
 //! Outliers: elements that keep the curves from their targets, whose individual curve left the
 //! validity region, or that came too near another, are taken out and laid out again (T 3.6.5).
 
+use super::limits::Limits;
 use super::meter::Meter;
 use super::patch::Individual;
 use super::patch::Patch;
@@ -31,16 +32,6 @@ const PARTING_ROUNDS: usize = 4;
 
 /// Descents after outliers were laid out again are this many times shorter.
 const AGAIN_SHORTER: usize = 8;
-
-/// How often a refinement is tried when a curve ends worse than it began.
-const MOST_REFINEMENTS: usize = 2;
-
-/// What the scale of such a curve is multiplied by.
-const MORE_WEIGHT: f64 = 0.4;
-
-/// A curve that begins nearer to its target than this is measured by this instead, so that one
-/// that fits already does not bind the others.
-const LEAST_SCALE: f64 = 0.01;
 
 /// Rounds end when one lowers the squared errors by less than this share of what they were at
 /// the beginning.
@@ -73,32 +64,37 @@ pub(super) fn improve(
 ) -> Result<Improved, PcfError> {
     let (run, count) = (meter.run, patch.places.len());
     let begun = patch.individuals();
-    let limits = patch.errors_of(&begun);
-    let mut scales: Vec<f64> = limits.iter().map(|e| e.max(LEAST_SCALE)).collect();
+    let errors_begun = patch.errors_of(&begun);
+    let limits = Limits::of(&errors_begun);
+    let is_above = |errors: &[f64]| errors.iter().zip(&errors_begun).any(|(error, begun)| *error > begun + 1e-9);
     let triplet_scales: Vec<f64> = patch.triplet_errors(&begun).iter().map(|e| e.max(LEAST_TRIPLET_SCALE)).collect();
-    let (iterations, mut individuals) = refine_within(patch, begun, (scales.clone(), &limits), (options, run))?;
+    let before = (patch.places.clone(), begun);
+    let iterations = refine(patch, &limits, options, run)?;
+    let mut individuals = patch.individuals();
+    if is_above(&patch.errors_of(&individuals)) {
+        (patch.places, individuals) = before;
+    }
+    let mut kept = (patch.places.clone(), individuals.clone());
     let mut improved = Improved { iterations, ..Improved::default() };
     meter.advance(count)?;
     let shorter = SynthesisOptions { max_iterations: options.max_iterations / AGAIN_SHORTER, ..options.clone() };
-    let mut kept = (patch.places.clone(), individuals.clone());
     let (mut left, mut bearable) = (f64::INFINITY, f64::NEG_INFINITY);
     for round in 0..options.outlier_rounds {
         let random = Stream::new(options.seed, AGAIN, stream << 8 | round as u64);
-        let settled = settle(patch, (&individuals, (&scales, &triplet_scales)), (random, bearable), run)?;
+        let settled = settle(patch, (&individuals, &limits, &triplet_scales), (random, bearable), run)?;
         improved.replaced += settled.moved;
         bearable = if round + 1 < EXACT_ROUNDS { f64::NEG_INFINITY } else { settled.median };
-        improved.iterations += refine(patch, &scales, &shorter, run)?;
+        improved.iterations += refine(patch, &limits, &shorter, run)?;
         individuals = patch.individuals();
         let errors = patch.errors_of(&individuals);
-        let above: Vec<usize> = (0..limits.len()).filter(|k| errors[*k] > limits[*k] + 1e-9).collect();
-        above.iter().for_each(|k| scales[*k] *= MORE_WEIGHT);
-        if above.is_empty() {
+        let holds = !is_above(&errors);
+        if holds {
             kept = (patch.places.clone(), individuals.clone());
         }
         meter.advance(count)?;
         let before = left;
-        left = mean_square(&errors, &limits) + mean_square(&patch.triplet_errors(&individuals), &triplet_scales);
-        if round >= EXACT_ROUNDS && above.is_empty() && left > before - LEAST_ROUND_GAIN {
+        left = mean_square(&errors, &limits.scales) + mean_square(&patch.triplet_errors(&individuals), &triplet_scales);
+        if round >= EXACT_ROUNDS && holds && left > before - LEAST_ROUND_GAIN {
             meter.advance(count * (options.outlier_rounds - 1 - round))?;
             break;
         }
@@ -115,32 +111,8 @@ pub(super) fn improve(
 
 /// The mean square of errors over what each is measured by.
 fn mean_square(errors: &[f64], scales: &[f64]) -> f64 {
-    let square = |(error, scale): (&f64, &f64)| (error / scale.max(LEAST_SCALE)).powi(2);
+    let square = |(error, scale): (&f64, &f64)| (error / scale).powi(2);
     errors.iter().zip(scales).map(square).sum::<f64>() / errors.len().max(1) as f64
-}
-
-/// Refines; while a curve ends above its share of `limits`, again with more weight on it; if that
-/// does not help, the places stay as they were. Gives the iterations used and what the elements
-/// see, which is `begun` before.
-fn refine_within(
-    patch: &mut Patch<'_>,
-    begun: Vec<Individual>,
-    (mut scales, limits): (Vec<f64>, &[f64]),
-    (options, run): (&SynthesisOptions, &Run),
-) -> Result<(usize, Vec<Individual>), PcfError> {
-    let (before, mut iterations) = (patch.places.clone(), 0);
-    for _ in 0..MOST_REFINEMENTS {
-        iterations += refine(patch, &scales, options, run)?;
-        let individuals = patch.individuals();
-        let errors = patch.errors_of(&individuals);
-        let above = |k: usize| errors[k] > limits[k] + 1e-9;
-        if !(0..limits.len()).any(above) {
-            return Ok((iterations, individuals));
-        }
-        (0..limits.len()).filter(|k| above(*k)).for_each(|k| scales[k] *= MORE_WEIGHT);
-    }
-    patch.places = before;
-    Ok((iterations, begun))
 }
 
 /// Parts elements of the class that are nearer than allowed; what finds no place is taken out.
@@ -211,9 +183,9 @@ fn too_near(patch: &Patch<'_>) -> Vec<usize> {
 /// many; gives those for which none was free, ascending: they stay.
 fn replace(patch: &mut Patch<'_>, near: &[usize], mut random: Stream, run: &Run) -> Result<Vec<usize>, PcfError> {
     let individuals = patch.individuals();
-    let errors: Vec<f64> = patch.errors_of(&individuals).iter().map(|e| e.max(LEAST_SCALE)).collect();
-    let triplets = vec![1.0; errors.len()];
-    let mut settling = Settling::new(patch, (&individuals, (&errors, &triplets)), f64::NEG_INFINITY);
+    let limits = Limits::of(&patch.errors_of(&individuals));
+    let triplets = vec![1.0; limits.scales.len()];
+    let mut settling = Settling::new(patch, (&individuals, &limits, &triplets), f64::NEG_INFINITY);
     let mut homeless = Vec::new();
     for i in near {
         run.check()?;

@@ -49,7 +49,7 @@ impl<'a> Patch<'a> {
             {
                 return Windows::none();
             }
-            let mut windows = Windows::over(self.scene.domain, self.block.bounds, self.scene.unit);
+            let mut windows = Windows::over(self.scene.domain, self.scene.domain.bounds(), self.scene.unit);
             self.context.list().iter().for_each(|p| windows.add(p.place, 1.0));
             windows
         })

@@ -4,6 +4,7 @@
 //! one table W(m) a curve and no sum over r a pair; the curves themselves come from a fine
 //! histogram of m, smoothed once. Both make an iteration cost a few nanoseconds a pair.
 
+use super::limits::Limits;
 use super::partners::Partner;
 use super::patch::Patch;
 use super::scene::Scene;
@@ -69,14 +70,14 @@ pub(super) struct Refined {
 }
 
 /// Moves the elements of `patch` so that their mean curves come nearer the targets, each curve
-/// measured by its share of `scales`. Gives the iterations used.
+/// measured by `limits`. Gives the iterations used.
 pub(super) fn refine(
     patch: &mut Patch<'_>,
-    scales: &[f64],
+    limits: &Limits,
     options: &SynthesisOptions,
     run: &Run,
 ) -> Result<usize, PcfError> {
-    let mut descent = Descent::new(patch, scales, options);
+    let mut descent = Descent::new(patch, limits, options);
     let refined = descent.descend(patch.places.clone(), run)?;
     patch.places = refined.places;
     Ok(refined.iterations)
@@ -116,8 +117,7 @@ struct Descent<'a> {
     gathered_at: Vec<Point>,
     /// How far the border is from each element at least, while the lists hold, in metres.
     clearance: Vec<f64>,
-    /// The error each curve is measured by.
-    scales: Vec<f64>,
+    limits: &'a Limits,
 }
 
 impl<'a> Descent<'a> {
@@ -145,7 +145,7 @@ impl<'a> Descent<'a> {
         Ok(best)
     }
 
-    fn new(patch: &'a Patch<'a>, scales: &[f64], options: &'a SynthesisOptions) -> Self {
+    fn new(patch: &'a Patch<'a>, limits: &'a Limits, options: &'a SynthesisOptions) -> Self {
         let scene = patch.scene;
         let cell = scene.axis.step / FINE as f64;
         let sigma = scene.axis.sigma;
@@ -172,7 +172,7 @@ impl<'a> Descent<'a> {
             freedom: Vec::new(),
             gathered_at: Vec::new(),
             clearance: Vec::new(),
-            scales: scales.to_vec(),
+            limits,
         }
     }
 
@@ -341,7 +341,8 @@ impl<'a> Descent<'a> {
     /// What the descent lowers: Σ of squared errors, each curve's over what it began with, so
     /// that a curve with high peaks does not drown the others.
     fn total(&self, rms: &[f64]) -> f64 {
-        rms.iter().zip(&self.scales).map(|(rms, scale)| (rms / scale).powi(2)).sum()
+        let square = |(v, rms): (usize, &f64)| self.limits.cost(v, (rms / self.limits.scales[v]).powi(2));
+        rms.iter().enumerate().map(square).sum()
     }
 
     /// The fine histogram of one chunk of the block's `count` elements: each pair's weight split
@@ -383,7 +384,9 @@ impl<'a> Descent<'a> {
     /// W(m) = Σ_r e(r)/M(r)·(m − r)·k_σ(m − r) at every cell: how a pair at m pulls (T eq. 3.7
     /// with M(r) for r); positive pushes apart.
     fn pull(&self, errors: &[f64], v: usize) -> Vec<f64> {
-        let weight = 1.0 / (self.scales[v] * self.scales[v]);
+        let per_square = 1.0 / (self.limits.scales[v] * self.limits.scales[v]);
+        let square = errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64 * per_square;
+        let weight = per_square * self.limits.slope(v, square);
         let factors = &self.scene.views[v].factors;
         let half = self.kernel.len() - 1;
         let value = |cell: usize| {

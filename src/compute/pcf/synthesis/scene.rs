@@ -173,6 +173,13 @@ impl<'a> Scene<'a> {
         self.metric.reach(place, radius, partners.largest_radius())
     }
 
+    /// The places of the sparse axis, from the first, at which all of `partners` of an element of
+    /// `radius` are nearer than `distance`; both in r_max.
+    pub(super) fn places_within(&self, (radius, distance): (f64, f64), partners: &[&Partners]) -> usize {
+        let largest = partners.iter().map(|p| p.largest_radius()).fold(0.0, f64::max);
+        self.sparse.axis.bins_up_to(self.metric.value(distance, radius, largest))
+    }
+
     /// The same by table, for trials.
     pub(super) fn border_table(&self, p: Point, reach: f64) -> BorderTable {
         BorderTable::new(self.domain, p, (reach, self.unit))

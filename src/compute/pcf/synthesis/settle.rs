@@ -7,6 +7,7 @@
 
 use super::at_large::AtLarge;
 use super::filling::Filling;
+use super::limits::Limits;
 use super::partners::Partner;
 use super::patch::Individual;
 use super::patch::Patch;
@@ -43,6 +44,9 @@ const COMPANY: f64 = 2.0;
 /// Of so many parents drawn the one with the fewest elements of the class over it is taken.
 const SUITORS: usize = 8;
 
+/// Directions in which the rim of a parent is looked at.
+const DIRECTIONS: usize = 12;
+
 /// The most elements whose best places are looked for at one time, before any of them moves.
 const MOST_AT_ONCE: usize = 16;
 
@@ -64,16 +68,16 @@ pub(super) struct Round {
 
 /// Settles every element of `patch` once, in random order, but for those that raise the squared
 /// errors by less than `bearable` where they are. `individuals` are what the elements see; errors
-/// count by their share of `scales`: one a curve, one a row of triplets.
+/// of curves are measured by `limits`, those of triplets by their share of `triplet_scales`.
 pub(super) fn settle(
     patch: &mut Patch<'_>,
-    (individuals, scales): (&[Individual], (&[f64], &[f64])),
+    (individuals, limits, triplet_scales): (&[Individual], &Limits, &[f64]),
     (mut random, bearable): (Stream, f64),
     run: &Run,
 ) -> Result<Round, PcfError> {
     let mut order: Vec<usize> = (0..patch.places.len()).collect();
     random.shuffle(&mut order);
-    let mut settling = Settling::new(patch, (individuals, scales), bearable);
+    let mut settling = Settling::new(patch, (individuals, limits, triplet_scales), bearable);
     let hosts = hosts(patch);
     let (mut moved, mut burdens) = (0, Vec::new());
     for batch in order.chunks((order.len() / ELEMENTS_EACH).clamp(1, MOST_AT_ONCE)) {
@@ -107,7 +111,7 @@ pub(super) struct Choices {
 }
 
 /// Places to try for element `i`.
-fn choices((patch, filling, hosts): (&Patch<'_>, &Filling, &[usize]), i: usize, random: &mut Stream) -> Choices {
+fn choices((patch, filling, hosts): (&Patch<'_>, &Filling, &[Host]), i: usize, random: &mut Stream) -> Choices {
     let old = patch.places[i];
     let step = |length: &f64| {
         let offset = Point::new(random.normal(), random.normal()) * (length * patch.scene.unit);
@@ -122,12 +126,19 @@ fn choices((patch, filling, hosts): (&Patch<'_>, &Filling, &[usize]), i: usize, 
     }
     let anywhere = (0..DRAWS).filter_map(|_| patch.sampler.draw(patch.block, random)).collect();
     let visits = hosts.iter().cycle().take(NEAR_PARENTS);
-    choices.extend(visits.filter_map(|v| near_parent((patch, filling), (i, *v), random)));
+    choices.extend(visits.filter_map(|host| near_parent((patch, filling), (i, host), random)));
     Choices { near: choices, anywhere }
 }
 
-/// The views of parent classes whose company disks of the class keep.
-fn hosts(patch: &Patch<'_>) -> Vec<usize> {
+/// A parent class whose company disks of the class keep.
+struct Host {
+    view: usize,
+    /// Those of its elements over or at the rim of which the block has places.
+    parents: Vec<usize>,
+}
+
+/// The hosts of the class.
+fn hosts(patch: &Patch<'_>) -> Vec<Host> {
     let scene = patch.scene;
     if scene.metric != Metric::Disk {
         return Vec::new();
@@ -139,21 +150,36 @@ fn hosts(patch: &Patch<'_>) -> Vec<usize> {
         let squares: f64 = near().map(|(mean, mass)| mean * mean * mass).sum();
         squares >= COMPANY * COMPANY * near().map(|(_, mass)| mass).sum::<f64>()
     };
-    (1..scene.views.len()).filter(company).collect()
+    let host = |view: usize| {
+        let parents = scene.views[view].partners.list();
+        Host { view, parents: (0..parents.len()).filter(|j| has_places(patch, &parents[*j])).collect() }
+    };
+    (1..scene.views.len()).filter(company).map(host).collect()
+}
+
+/// Whether the block has places over or at the rim of `parent`.
+fn has_places(patch: &Patch<'_>, parent: &Partner) -> bool {
+    let at = |k: usize| Point::from_angle(TAU * k as f64 / DIRECTIONS as f64) * (parent.radius * patch.scene.unit);
+    patch.holds(parent.place) || (0..DIRECTIONS).any(|k| patch.holds(parent.place + at(k)))
 }
 
 /// A place over or at the rim of a parent of view `v`, its distance uniform, as the axis is linear
 /// in it. The parent is the loneliest of a few: where each is to have its own
 /// company, the ones without are few in the end, and seldom drawn.
-fn near_parent((patch, filling): (&Patch<'_>, &Filling), (i, v): (usize, usize), random: &mut Stream) -> Option<Point> {
-    let parents = patch.scene.views.get(v)?.partners.list();
+fn near_parent(
+    (patch, filling): (&Patch<'_>, &Filling),
+    (i, host): (usize, &Host),
+    random: &mut Stream,
+) -> Option<Point> {
+    let parents = patch.scene.views.get(host.view)?.partners.list();
     let axis = patch.scene.rows.axis();
     let over = axis.start..axis.end.min(axis.start + (DISJOINT / patch.scene.sparse.axis.step) as usize);
     let company = |j: &usize| {
-        let row = filling.seen[v].get(*j).and_then(|row| row.get(over.clone()));
+        let row = filling.seen[host.view].get(*j).and_then(|row| row.get(over.clone()));
         row.map_or(0.0, |row| row.iter().sum::<f32>())
     };
-    let drawn: Vec<usize> = (0..SUITORS).map(|_| random.below(parents.len().max(1))).collect();
+    let mut draw = |_: usize| host.parents.get(random.below(host.parents.len().max(1))).copied();
+    let drawn: Vec<usize> = (0..SUITORS).filter_map(&mut draw).collect();
     let loneliest = drawn.into_iter().min_by(|a, b| company(a).total_cmp(&company(b)))?;
     let parent = parents.get(loneliest)?;
     let reach = parent.radius * patch.scene.unit + patch.radii[i];
@@ -168,6 +194,15 @@ const OUTSIDE_WEIGHT: f64 = 10.0;
 /// See [`OUTSIDE_WEIGHT`]: the extremes of a few curves are often passed a little by as many new
 /// ones.
 const FREE: f64 = 0.3;
+
+/// The same for one that lacks more than [`FREE_NEAR`] of the least the exemplar's have near: so
+/// much that it lies alone only where nothing else fits (ours; with a third of it some still do in
+/// most outputs of small classes).
+const ALONE_WEIGHT: f64 = 100.0;
+
+/// See [`ALONE_WEIGHT`] (ours; where every lack counts, elements are drawn together and leave
+/// wider gaps than the exemplar's).
+const FREE_NEAR: f64 = 0.5;
 
 /// The most an excess counts.
 const MOST_EXCESS: f64 = 1.0;
@@ -190,26 +225,25 @@ pub(super) struct Settling<'a> {
     chooser: Chooser<'a>,
     /// What a squared error weighs.
     weights: Rows,
-    /// The scales of the curves.
-    scales: Vec<f64>,
+    limits: &'a Limits,
     /// Elements that raise the squared errors by less stay.
     bearable: f64,
 }
 
 impl<'a> Settling<'a> {
-    /// The block of `patch`, whose elements see `individuals`; errors are measured by their share
-    /// of the scales, one a curve and one a row of triplets. Elements that raise them by less than
+    /// The block of `patch`, whose elements see `individuals`; errors of curves are measured by
+    /// `limits`, those of triplets by their share of the scales. Elements that raise them by less than
     /// `bearable` stay.
     pub(super) fn new(
         patch: &'a Patch<'a>,
-        (individuals, (curves, triplets)): (&[Individual], (&[f64], &[f64])),
+        (individuals, limits, triplets): (&[Individual], &'a Limits, &[f64]),
         bearable: f64,
     ) -> Self {
         let scene = patch.scene;
         let bins = scene.sparse.bins() as f64;
         let views = || scene.views.iter().enumerate();
         let of_curve = |(v, _): (usize, &View<'_>)| {
-            let weight = 1.0 / (curves[v] * curves[v] * bins);
+            let weight = 1.0 / (limits.scales[v] * limits.scales[v] * bins);
             scene.rows.aligned((0..scene.sparse.bins()).map(|_| weight))
         };
         let of_triplets = |(v, view): (usize, &View<'_>)| {
@@ -217,8 +251,8 @@ impl<'a> Settling<'a> {
             scene.rows.aligned(view.triplet_weights.iter().map(|inverse| inverse * weight))
         };
         let weights = Rows { curves: views().map(of_curve).collect(), triplets: views().map(of_triplets).collect() };
-        let (filling, chooser) = (Filling::complete(patch, individuals), Chooser::new(patch, curves));
-        Self { patch, filling, chooser, weights, scales: curves.to_vec(), bearable }
+        let (filling, chooser) = (Filling::complete(patch, individuals), Chooser::new(patch, limits));
+        Self { patch, filling, chooser, weights, limits, bearable }
     }
 
     /// The places of all elements.
@@ -231,7 +265,7 @@ impl<'a> Settling<'a> {
         let wish = |chooser: &mut Chooser<'a>, (i, choices): &(usize, Choices)| {
             chooser.best((&self.filling, &self.weights, self.bearable), *i, choices)
         };
-        choices.par_iter().map_init(|| Chooser::new(self.patch, &self.scales), wish).collect()
+        choices.par_iter().map_init(|| Chooser::new(self.patch, self.limits), wish).collect()
     }
 
     /// Moves element `i` to the best of its own place and `choices`, ties to the first.
@@ -287,17 +321,22 @@ struct Wish {
 struct Chooser<'a> {
     trial: Trial<'a>,
     at_large: AtLarge<'a>,
+    limits: &'a Limits,
     /// How far the block is from its goals without the element.
     errors: Rows,
+    /// The squared errors of its curves.
+    squares: Vec<f64>,
 }
 
 impl<'a> Chooser<'a> {
-    fn new(patch: &'a Patch<'a>, scales: &[f64]) -> Self {
+    fn new(patch: &'a Patch<'a>, limits: &'a Limits) -> Self {
         let rows = || patch.scene.views.iter().map(|_| patch.scene.rows.zeros()).collect();
         Self {
             trial: Trial::new(patch),
-            at_large: AtLarge::new(patch, scales),
+            at_large: AtLarge::new(patch, &limits.scales),
+            limits,
             errors: Rows { curves: rows(), triplets: rows() },
+            squares: Vec::new(),
         }
     }
 
@@ -307,6 +346,7 @@ impl<'a> Chooser<'a> {
         self.trial.take_out(i, filling);
         let free = self.trial.see_all((old.place, old.radius), filling);
         self.trial.errors_without(&mut self.errors, (&filling.sums, count));
+        self.squares = self.trial.squares_of(&self.errors, weights);
         self.at_large.take_out(old.place, filling);
         let burden = self.error(weights, count) + self.at_large.growth(old.place, filling);
         let mut better: Vec<(f64, Point)> = Vec::new();
@@ -332,7 +372,12 @@ impl<'a> Chooser<'a> {
 
     /// By how much the last candidate raises the squared errors of a block of `count` elements.
     fn error(&self, weights: &Rows, count: usize) -> f64 {
-        let outside = (self.trial.outside() - FREE).clamp(0.0, MOST_EXCESS) * OUTSIDE_WEIGHT;
-        outside / count as f64 + self.trial.growth_of(&self.errors, weights, count)
+        let outside = (self.trial.outside() - FREE).clamp(0.0, MOST_EXCESS) * OUTSIDE_WEIGHT
+            + (self.trial.alone() - FREE_NEAR).max(0.0) * ALONE_WEIGHT;
+        let cost = |v: usize, growth: f64| {
+            let before = self.squares[v];
+            self.limits.cost(v, before + growth) - self.limits.cost(v, before)
+        };
+        outside / count as f64 + self.trial.growth_of((&self.errors, weights), count, cost)
     }
 }

@@ -39,6 +39,9 @@ pub(super) struct Trial<'a> {
     triplets: Vec<Vec<f32>>,
     /// What a dart sees beyond the axis.
     far: Vec<f64>,
+    /// Places of the axis, from the first, at which the last candidate's circles lie in the domain,
+    /// one number a view.
+    whole: Vec<usize>,
 }
 
 impl<'a> Trial<'a> {
@@ -56,6 +59,7 @@ impl<'a> Trial<'a> {
             curves: rows(),
             triplets: rows(),
             far: Vec::new(),
+            whole: vec![0; patch.scene.views.len()],
         }
     }
 
@@ -79,7 +83,7 @@ impl<'a> Trial<'a> {
                 + scene.triplet_share(v) * self.triplet_growth(v, &filling.sums);
             outside = outside.max(self.above(v));
             if v > 0 {
-                outside = outside.max(self.below(v));
+                outside = outside.max(self.below(v)).max(self.alone_in(v));
             }
             if outside > bound {
                 break;
@@ -122,6 +126,7 @@ impl<'a> Trial<'a> {
             let curve = absence.row(0, j, &filling.curves[j]);
             add_products(&mut crossed[first..], (kernel, &curve[first..]), back_weight);
         });
+        self.whole[0] = scene.places_within((radius, border.clearance()), &[context, &filling.inner]);
         self.finish_own();
         !barred
     }
@@ -160,6 +165,7 @@ impl<'a> Trial<'a> {
                 add_products(&mut crossed[first..], (kernel, &sees[first..]), weight);
             }
         });
+        self.whole[v] = scene.places_within((radius, border.clearance()), &[&view.partners]);
         self.finish_parent(v);
     }
 
@@ -265,6 +271,12 @@ impl<'a> Trial<'a> {
         (0..self.rows.len()).map(|v| self.above(v).max(self.below(v))).fold(0.0, f64::max)
     }
 
+    /// How far the candidate has less near than any of the exemplar's, as a share of the least, the
+    /// most of any view.
+    pub(super) fn alone(&self) -> f64 {
+        (0..self.rows.len()).map(|v| self.alone_in(v)).fold(0.0, f64::max)
+    }
+
     /// How far the candidate's curve of view `v` is above the validity region.
     fn above(&self, v: usize) -> f64 {
         let Bounds { above, .. } = &self.patch.scene.views[v].goal.bounds;
@@ -275,6 +287,22 @@ impl<'a> Trial<'a> {
     fn below(&self, v: usize) -> f64 {
         let Bounds { below, .. } = &self.patch.scene.views[v].goal.bounds;
         self.farthest(v, below)
+    }
+
+    /// How far what it has near in view `v` is below the least any of the exemplar's elements has,
+    /// up to where all circles around it lie in the domain.
+    fn alone_in(&self, v: usize) -> f64 {
+        let (slopes, offsets) = &self.patch.scene.views[v].goal.bounds.near;
+        let start = self.kernel.axis().start;
+        let whole = start..start + self.whole[v];
+        let (mut sum, mut most) = (0.0_f32, 0.0_f32);
+        for ((value, slope), offset) in
+            self.rows[v][whole.clone()].iter().zip(&slopes[whole.clone()]).zip(&offsets[whole])
+        {
+            sum += value;
+            most = most.max(sum * slope + offset);
+        }
+        f64::from(most)
     }
 
     /// The most that slope·value + offset is, at least 0.
@@ -290,9 +318,14 @@ impl<'a> Trial<'a> {
         f64::from(most.into_iter().fold(0.0, f32::max))
     }
 
-    /// The growth of Σ (error + added/`count`)²·weight over all places and views, curves and
-    /// triplets, when the candidate is added to a block of `count` elements.
-    pub(super) fn growth_of(&self, errors: &Rows, weights: &Rows, count: usize) -> f64 {
+    /// The growth of Σ (error + added/`count`)²·weight over all places when the candidate is added
+    /// to a block of `count` elements; that of curve v counts `cost`(v, growth).
+    pub(super) fn growth_of(
+        &self,
+        (errors, weights): (&Rows, &Rows),
+        count: usize,
+        cost: impl Fn(usize, f64) -> f64,
+    ) -> f64 {
         let share = 1.0 / count.max(1) as f32;
         let growth = |added: &Vec<f32>, (errors, weights): (&Vec<f32>, &Vec<f32>)| {
             let (added, errors, weights) = (self.lanes(added), self.lanes(errors), self.lanes(weights));
@@ -307,7 +340,16 @@ impl<'a> Trial<'a> {
         };
         let curves = errors.curves.iter().zip(&weights.curves).zip(&self.curves).map(|(e, a)| growth(a, e));
         let triplets = errors.triplets.iter().zip(&weights.triplets).zip(&self.triplets).map(|(e, a)| growth(a, e));
-        curves.chain(triplets).sum()
+        curves.enumerate().map(|(v, growth)| cost(v, growth)).sum::<f64>() + triplets.sum::<f64>()
+    }
+
+    /// Σ error²·weight of every curve.
+    pub(super) fn squares_of(&self, errors: &Rows, weights: &Rows) -> Vec<f64> {
+        let square = |(errors, weights): (&Vec<f32>, &Vec<f32>)| {
+            let axis = self.kernel.axis();
+            errors[axis.clone()].iter().zip(&weights[axis]).map(|(e, w)| f64::from(e * e * w)).sum()
+        };
+        errors.curves.iter().zip(&weights.curves).map(square).collect()
     }
 
     /// Writes to `errors` how far the means of a block with these sums are from their goals
