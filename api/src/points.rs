@@ -194,7 +194,8 @@ pub struct TargetInput {
     /// A painted density, relative: only ratios count, 0 bars a place.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<PaintedInput>,
-    /// Elements that are there, stay, and influence the new ones; of classes of the exemplar.
+    /// Elements that are there, stay, and influence the new ones; of classes of the exemplar and
+    /// in the domain, parts cut out of it included.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fixed: Option<Given<Vec<ElementInput>>>,
     /// Elements in the result by class, fixed ones included. Default: the exemplar's density.

@@ -65,10 +65,11 @@ impl ParsedTarget {
     fn parse(input: &TargetInput, exemplar: &Exemplar, sources: &dyn Sources) -> Result<Self, Invalid> {
         let named = &exemplar.named;
         let mut all = Invalid::default();
-        let mut domain = match &input.domain {
+        let whole = match &input.domain {
             None => exemplar.domain.clone(),
             Some(given) => regions::open(given, "/target/domain", (&named.elements, sources))?,
         };
+        let mut domain = whole.clone();
         for (i, excluded) in input.exclude.iter().enumerate() {
             let at = format!("/target/exclude/{i}");
             let Some(excluded) = all.keep(regions::open(excluded, &at, (&named.elements, sources))) else { continue };
@@ -81,7 +82,7 @@ impl ParsedTarget {
             .as_ref()
             .map(|painted| regions::painted(painted, "/target/density", (Some(domain.bounds()), sources)));
         let density = density.and_then(|raster| all.keep(raster));
-        let fixed = all.keep(fixed(input, exemplar, sources)).unwrap_or_default();
+        let fixed = all.keep(fixed(input, (exemplar, &whole), sources)).unwrap_or_default();
         let counts = all.keep(counts(input, exemplar, &domain)).unwrap_or_default();
         all.into_result()?;
         let target = Self { domain, density, fixed, counts };
@@ -107,8 +108,13 @@ impl ParsedTarget {
     }
 }
 
-/// The elements that are there; their classes must be the exemplar's.
-fn fixed(input: &TargetInput, exemplar: &Exemplar, sources: &dyn Sources) -> Result<Vec<Element>, Invalid> {
+/// The elements that are there: of the exemplar's classes and in the `whole` domain, what is cut
+/// out of it included.
+fn fixed(
+    input: &TargetInput,
+    (exemplar, whole): (&Exemplar, &Region),
+    sources: &dyn Sources,
+) -> Result<Vec<Element>, Invalid> {
     const AT: &str = "/target/fixed";
     let Some(given) = &input.fixed else { return Ok(Vec::new()) };
     let known = exemplar.named.classes.clone();
@@ -121,6 +127,9 @@ fn fixed(input: &TargetInput, exemplar: &Exemplar, sources: &dyn Sources) -> Res
         }
         if !(element.centre.is_finite() && element.radius.is_finite() && element.radius >= 0.0) {
             faults.push(format!("{AT}/{i}"), ErrorCode::OutOfRange, "finite numbers, a radius from 0", "others");
+        } else if !whole.contains(element.centre) {
+            let found = format!("({}, {})", element.centre.x, element.centre.y);
+            faults.push(format!("{AT}/{i}"), ErrorCode::OutsideDomain, "a place in the target's domain", found);
         }
     }
     faults.into_result().map(|()| named.elements)

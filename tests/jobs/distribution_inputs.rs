@@ -169,13 +169,18 @@ fn a_target_of_which_nothing_is_left_is_refused() {
     let all = json!({"type": "rectangle", "min": [-1, -1], "max": [11, 11]});
     let target = with(|i| i["target"] = json!({"exclude": [all]}));
     assert_fault(&DiskSynthesis, target, "/target/exclude/0", "zero-area");
-    let stranger = json!([{"class": "moss", "x": 1, "y": 1}]);
-    assert_fault(
-        &DiskSynthesis,
-        with(|i| i["target"] = json!({"fixed": stranger})),
-        "/target/fixed/0/class",
-        "empty-class",
-    );
+}
+
+#[test]
+fn fixed_elements_of_unknown_classes_or_outside_the_domain_are_refused_but_not_those_cut_out_of_it() {
+    let fixed = |class: &str, x: i32| {
+        let hole = json!({"type": "rectangle", "min": [0, 0], "max": [2, 2]});
+        let there = json!([{"class": class, "x": x, "y": 1}]);
+        with(move |i| i["target"] = json!({"fixed": there, "exclude": [hole]}))
+    };
+    assert_fault(&DiskSynthesis, fixed("moss", 1), "/target/fixed/0/class", "empty-class");
+    assert_fault(&DiskSynthesis, fixed("tree", 40), "/target/fixed/0", "outside-domain");
+    assert_eq!(faults(&DiskSynthesis, fixed("tree", 1)), []);
 }
 
 #[test]

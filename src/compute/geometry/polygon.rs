@@ -126,13 +126,20 @@ impl Polygon {
         if self.rings().flatten().any(|p| !p.is_finite()) {
             return Err(PolygonError::NotFinite { polygon });
         }
-        if self.rings().any(|ring| ring_area_doubled(ring) == 0.0) {
+        if self.rings().any(is_a_line) {
             return Err(PolygonError::NoArea);
         }
         let shape = to_geo_polygon(self);
         shape.check_validation().map_err(|e| PolygonError::Crossing { polygon, how: e.to_string() })?;
         Ok(shape)
     }
+}
+
+/// Whether all vertices lie on one line, which is no area; a ring that crosses itself may sum up
+/// to none as well.
+fn is_a_line(ring: &[Point]) -> bool {
+    let farthest = ring.iter().max_by(|a, b| a.distance_sq(ring[0]).total_cmp(&b.distance_sq(ring[0])));
+    farthest.is_none_or(|far| ring.iter().all(|p| (*far - ring[0]).cross(*p - ring[0]) == 0.0))
 }
 
 fn distinct(ring: &[Point]) -> usize {

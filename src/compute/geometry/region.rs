@@ -199,8 +199,10 @@ mod tests {
     #[test]
     fn bad_polygons_are_refused_with_the_reason() {
         let bow = vec![Point::new(0.0, 0.0), Point::new(2.0, 2.0), Point::new(2.0, 0.0), Point::new(0.0, 2.5)];
+        let even_bow = vec![Point::new(0.0, 0.0), Point::new(2.0, 2.0), Point::new(2.0, 0.0), Point::new(0.0, 2.0)];
         let of = |outer: Vec<Point>| Region::from_polygons(&[Polygon { outer, holes: Vec::new() }]);
         assert!(matches!(of(bow), Err(PolygonError::Crossing { polygon: 0, .. })));
+        assert!(matches!(of(even_bow), Err(PolygonError::Crossing { polygon: 0, .. })));
         assert!(matches!(of(square(1.0)[..2].to_vec()), Err(PolygonError::TooFewVertices { found: 2, .. })));
         assert!(matches!(of(vec![Point::new(f64::NAN, 0.0); 4]), Err(PolygonError::NotFinite { .. })));
         let flat = vec![Point::new(0.0, 0.0), Point::new(1.0, 1.0), Point::new(2.0, 2.0)];
