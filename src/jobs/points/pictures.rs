@@ -32,6 +32,9 @@ const KEY: f64 = 40.0;
 /// A point is drawn at least this large, in pixels.
 const LEAST_RADIUS: f64 = 2.0;
 
+/// The most of its longer side that is shown around a domain, for disks that reach past it.
+const MOST_OVERHANG: f64 = 0.2;
+
 /// The most curves that are drawn; the document has all.
 const MOST_CURVES: usize = 36;
 
@@ -44,7 +47,7 @@ pub fn pattern(
     domain: &Region,
     (groups, group): (&[String], impl Fn(usize) -> usize),
 ) -> Result<Artefact, Failure> {
-    let world = domain.bounds();
+    let world = domain.bounds().grown(overhang(elements, domain.bounds()));
     let scale = SIDE / world.width().max(world.height());
     let size = ((world.width() * scale).max(80.0) + 40.0, (world.height() * scale).max(80.0) + 40.0 + KEY);
     let mut canvas = Canvas::new(size.0 as usize, size.1 as usize, WHITE);
@@ -68,6 +71,16 @@ pub fn pattern(
     }
     key(&mut canvas, groups, size.1);
     encoded(canvas)
+}
+
+/// How far disks reach past the `bounds` of their domain, as far as the picture shows it.
+fn overhang(elements: &[Element], bounds: Bounds) -> f64 {
+    let past = |e: &Element| {
+        let inside = (e.centre - bounds.min, bounds.max - e.centre);
+        e.radius - inside.0.x.min(inside.0.y).min(inside.1.x).min(inside.1.y)
+    };
+    let most = MOST_OVERHANG * bounds.width().max(bounds.height());
+    elements.iter().map(past).fold(0.0, f64::max).min(most)
 }
 
 fn key(canvas: &mut Canvas, groups: &[String], height: f64) {
