@@ -223,3 +223,23 @@ pub fn hard_core(count: usize, seed: u64) -> Exemplar {
     let graph = Dependencies::new(1, &[]).unwrap();
     Exemplar { name: "hard-core".into(), elements, domain: rectangle(10.0, 10.0), graph, metric: Metric::Point }
 }
+
+/// Elements at least 0.75 of a spacing apart, about 300 in a square of side 10 that is cut out of a
+/// larger one, and so as dense at its border as within; disks of the disk metric do not overlap.
+pub fn cut_out_of_more(metric: Metric, seed: u64) -> Exemplar {
+    let mut r = Stream::new(seed, Purpose::new("test.cut-out"), 0);
+    let (least, margin) = (0.75 * 10.0 / 300.0_f64.sqrt(), 2.0);
+    let radius = if metric == Metric::Disk { 0.48 * least } else { 0.0 };
+    let mut elements = Vec::new();
+    let mut from_margin = || r.range(-margin, 10.0 + margin);
+    throw(
+        &mut elements,
+        (0, (300.0 * (1.0 + 0.2 * margin).powi(2)) as usize),
+        |_| Element { centre: Point::new(from_margin(), from_margin()), radius, class: 0 },
+        |all, e| all.iter().all(|o| o.centre.distance(e.centre) >= least),
+    );
+    let domain = rectangle(10.0, 10.0);
+    elements.retain(|e| domain.contains(e.centre));
+    let graph = Dependencies::new(1, &[]).unwrap();
+    Exemplar { name: "cut out".into(), elements, domain, graph, metric }
+}

@@ -294,6 +294,33 @@ fn blocks_are_as_dense_at_the_border_of_the_domain_as_within() {
 }
 
 #[test]
+fn elements_that_keep_apart_are_as_dense_at_the_border_of_the_domain_as_within() {
+    // An element at the border keeps others off half as much ground, and so saves room.
+    let (domain, seeds) = (exemplars::rectangle(20.0, 10.0), 1..4);
+    for (metric, block_elements) in
+        [(Metric::Point, 250), (Metric::Disk, 250), (Metric::Point, 2000), (Metric::Disk, 2000)]
+    {
+        let (mut found, mut expected) = (0.0, 0.0);
+        for seed in seeds.clone() {
+            let exemplar = exemplars::cut_out_of_more(metric, seed);
+            let count = 2 * exemplar.elements.len();
+            let target = Target { domain: &domain, room: None, density: None, fixed: &[], counts: vec![count] };
+            let options = SynthesisOptions { seed, block_elements, outlier_rounds: 1, ..SynthesisOptions::default() };
+            let result = pcf::synthesise(&exemplar.analysed(), &target, &options, &Run::silent()).unwrap();
+            let width = 0.2 * pcf::maximal_spacing(domain.area(), count);
+            found += result.elements.iter().filter(|e| domain.clearance(e.centre, 1.0) < width).count() as f64;
+            expected += count as f64 * (1.0 - (1.0 - 2.0 * width / 20.0) * (1.0 - 2.0 * width / 10.0));
+        }
+        println!("{metric:?} by {block_elements}: {found} for {expected:.1}");
+        // Counts of independent elements vary by their root, of these by less.
+        assert!(
+            (found - expected).abs() < 3.0 * expected.sqrt(),
+            "{metric:?} by {block_elements}: {found} for {expected}"
+        );
+    }
+}
+
+#[test]
 fn by_blocks_no_curve_ends_worse_than_it_began() {
     let (forest, nests, points) = (exemplars::forest(2), exemplars::nested(3), exemplars::hard_core(300, 2));
     for (exemplar, block_elements) in [(&forest, 60), (&nests, 25), (&points, 80)] {

@@ -1,4 +1,5 @@
 use super::border_table::BorderTable;
+use super::depths::Depths;
 use super::far::Far;
 use super::far::FarSums;
 use super::partners::Partners;
@@ -71,6 +72,9 @@ pub(super) struct Filling {
     pub(super) far: Far,
     /// How evenly windows are filled; none before the block is complete.
     pub(super) windows: Windows,
+    /// How its elements lie by their distance to the border of the domain; nothing before the block
+    /// is complete.
+    pub(super) depths: Depths,
     /// The sums.
     pub(super) sums: BlockSums,
 }
@@ -81,7 +85,16 @@ impl Filling {
         let inner = patch.inner();
         let sums = BlockSums { there: Some(There::of(patch, count)), ..BlockSums::new(patch.scene) };
         let (seen, far) = (patch.seen_by_parents(&inner, 0.5), patch.far().clone());
-        Self { seen, inner, curves: Vec::new(), borders: Vec::new(), far, windows: Windows::none(), sums }
+        Self {
+            seen,
+            inner,
+            curves: Vec::new(),
+            borders: Vec::new(),
+            far,
+            windows: Windows::none(),
+            depths: Depths::default(),
+            sums,
+        }
     }
 
     /// The block of `patch` with all its elements, all around it filled too; `individuals` are
@@ -98,14 +111,15 @@ impl Filling {
             |i: usize| scene.border_table(patch.places[i], patch.reach_of(patch.radii[i] / scene.unit, &inner));
         let borders = (0..patch.places.len()).into_par_iter().map(border).collect();
         let (seen, mut far, mut row) = (patch.seen_by_parents(&inner, 0.5), patch.far().clone(), Vec::new());
-        let mut windows = patch.windows().clone();
+        let (mut windows, mut depths) = (patch.windows().clone(), patch.depths());
         for p in &patch.places {
             far.read(*p, &mut row);
             sums.far.add(&row, 1.0);
             far.show(*p, 1.0);
             windows.add(*p, 1.0);
+            depths.add(scene.depth(*p), 1.0);
         }
-        Self { seen, inner, curves, borders, far, windows, sums }
+        Self { seen, inner, curves, borders, far, windows, depths, sums }
     }
 }
 

@@ -180,6 +180,7 @@ impl<'a> Layout<'a> {
             radii,
             far: OnceLock::new(),
             windows: OnceLock::new(),
+            depths: OnceLock::new(),
         }
     }
 

@@ -4,6 +4,7 @@ mod absence;
 mod at_large;
 mod border_table;
 mod darts;
+mod depths;
 mod far;
 mod filling;
 mod goal;

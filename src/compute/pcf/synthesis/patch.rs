@@ -1,3 +1,4 @@
+use super::depths::Depths;
 use super::far::Far;
 use super::partners::Partner;
 use super::partners::Partners;
@@ -28,6 +29,8 @@ pub(super) struct Patch<'a> {
     pub(super) far: OnceLock<Far>,
     /// See [`Patch::windows`].
     pub(super) windows: OnceLock<Windows>,
+    /// See [`Patch::depths`].
+    pub(super) depths: OnceLock<Depths>,
 }
 
 impl<'a> Patch<'a> {
@@ -53,6 +56,11 @@ impl<'a> Patch<'a> {
             self.context.list().iter().for_each(|p| windows.add(p.place, 1.0));
             windows
         })
+    }
+
+    /// The strips along the border of the domain without the block's own elements.
+    pub(super) fn depths(&self) -> Depths {
+        *self.depths.get_or_init(|| Depths::of(self))
     }
 
     /// Whether an element of the block may lie at `p`.

@@ -142,6 +142,11 @@ impl<'a> Sampler<'a> {
         self.draw_in(&block.cells[cell], random)
     }
 
+    /// The middle of `cell` and the radius of the circle around it, in metres.
+    pub(super) fn circle_around(&self, cell: &Cell) -> (Point, f64) {
+        (cell.corner + Point::new(0.5, 0.5) * self.side, self.side * std::f64::consts::FRAC_1_SQRT_2)
+    }
+
     /// A place in `cell` drawn by the density.
     pub(super) fn draw_in(&self, cell: &Cell, random: &mut Stream) -> Option<Point> {
         let accepts = |p: &Point, coin: f64| {
@@ -181,5 +186,12 @@ impl Block {
     /// The cells of the grid search.
     pub(super) fn cells(&self) -> &[Cell] {
         &self.cells
+    }
+}
+
+impl Cell {
+    /// ∫ density over the block's cells up to this one.
+    pub(super) fn up_to(&self) -> f64 {
+        self.cumulative
     }
 }

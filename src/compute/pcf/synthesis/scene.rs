@@ -1,4 +1,5 @@
 use super::border_table::BorderTable;
+use super::depths;
 use super::goal::Goal;
 use super::goal::Sparse;
 use super::intensity::Intensity;
@@ -180,7 +181,12 @@ impl<'a> Scene<'a> {
         self.sparse.axis.bins_up_to(self.metric.value(distance, radius, largest))
     }
 
-    /// The same by table, for trials.
+    /// Distance of `p` to the border of the domain, at most [`depths::FARTHEST`], in r_max.
+    pub(super) fn depth(&self, p: Point) -> f64 {
+        self.domain.clearance(p, depths::FARTHEST * self.unit) / self.unit
+    }
+
+    /// The border weight by table, for trials.
     pub(super) fn border_table(&self, p: Point, reach: f64) -> BorderTable {
         BorderTable::new(self.domain, p, (reach, self.unit))
     }

@@ -286,12 +286,13 @@ impl<'a> Settling<'a> {
     fn put(&mut self, i: usize, old: &Partner, place: Point) {
         let (scene, trial) = (self.patch.scene, &mut self.chooser.trial);
         let new = Partner { place, weight: scene.intensity.weight(place), ..*old };
-        let (mut seen, Filling { far, windows, sums, .. }) = (Vec::new(), &mut self.filling);
+        let (mut seen, Filling { far, windows, depths, sums, .. }) = (Vec::new(), &mut self.filling);
         far.show(old.place, -1.0);
         for (p, times) in [(old.place, -1.0), (place, 1.0)] {
             far.read(p, &mut seen);
             sums.far.add(&seen, times);
             windows.add(p, times);
+            depths.add(scene.depth(p), times);
         }
         far.show(place, 1.0);
         for (partner, times) in [(old, -1.0), (&new, 1.0)] {
