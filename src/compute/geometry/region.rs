@@ -99,9 +99,12 @@ impl Region {
 
     /// Distance of `p` to the border, but never more than `at_most`.
     pub fn clearance(&self, p: Point, at_most: f64) -> f64 {
-        let near = self.index.near(&Bounds::new(p, p).grown(at_most));
-        let nearest = near.iter().map(|i| self.segments[*i as usize].distance_sq(p));
-        nearest.fold(at_most * at_most, f64::min).sqrt()
+        let mut nearest_sq = at_most * at_most;
+        self.index.for_each_run_near(&Bounds::new(p, p).grown(at_most), |run| {
+            let distances = run.iter().map(|i| self.segments[*i as usize].distance_sq(p));
+            nearest_sq = distances.fold(nearest_sq, f64::min);
+        });
+        nearest_sq.sqrt()
     }
 
     /// The border around `centre` up to `radius`, for arcs of circles around it.

@@ -73,18 +73,23 @@ impl SegmentIndex {
 
     /// The indices of all segments whose bounding box comes near `bounds`, ascending, each once.
     pub(super) fn near(&self, bounds: &Bounds) -> Vec<u32> {
-        let columns = self.span(bounds.min.x - self.bounds.min.x, bounds.max.x - self.bounds.min.x, self.columns);
         let mut found = Vec::new();
-        for row in self.span(bounds.min.y - self.bounds.min.y, bounds.max.y - self.bounds.min.y, self.rows) {
-            for column in columns.clone() {
-                let c = row * self.columns + column;
-                found.extend_from_slice(&self.order[self.starts[c] as usize..self.starts[c + 1] as usize]);
-            }
-        }
+        self.for_each_run_near(bounds, |run| found.extend_from_slice(run));
         if self.columns * self.rows > 1 {
             found.sort_unstable();
             found.dedup();
         }
         found
+    }
+
+    /// Calls `visit` with these indices, cell by cell: a segment in several cells comes several times.
+    pub(super) fn for_each_run_near(&self, bounds: &Bounds, mut visit: impl FnMut(&[u32])) {
+        let columns = self.span(bounds.min.x - self.bounds.min.x, bounds.max.x - self.bounds.min.x, self.columns);
+        for row in self.span(bounds.min.y - self.bounds.min.y, bounds.max.y - self.bounds.min.y, self.rows) {
+            for column in columns.clone() {
+                let c = row * self.columns + column;
+                visit(&self.order[self.starts[c] as usize..self.starts[c + 1] as usize]);
+            }
+        }
     }
 }
