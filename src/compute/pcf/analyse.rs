@@ -356,12 +356,14 @@ impl CurveSum {
     /// Looks at how few partners an element with this curve has near, up to the first `whole` places.
     pub(super) fn look_near(&mut self, row: &[f64], whole: usize) {
         let (mut sum, mut mass) = (0.0, 0.0);
-        for bin in 0..whole.min(row.len()) {
-            mass += self.curve.mass[bin];
-            sum += row[bin] * self.curve.mass[bin];
-            let (mean, least) = (if mass > 0.0 { sum / mass } else { 0.0 }, &mut self.curve.least_near[bin]);
-            *least = if self.whole[bin] == 0 { mean } else { least.min(mean) };
-            self.whole[bin] += 1;
+        let Curve { mass: masses, least_near, .. } = &mut self.curve;
+        let places = row.iter().zip(masses).zip(least_near.iter_mut().zip(&mut self.whole));
+        for ((value, expected), (least, count)) in places.take(whole) {
+            mass += *expected;
+            sum += value * *expected;
+            let mean = if mass > 0.0 { sum / mass } else { 0.0 };
+            *least = if *count == 0 { mean } else { least.min(mean) };
+            *count += 1;
         }
     }
 
