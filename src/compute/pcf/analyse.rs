@@ -364,12 +364,6 @@ impl CurveSum {
             let mean = if mass > 0.0 { sum / mass } else { 0.0 };
             *least = if *count == 0 { mean } else { least.min(mean) };
             *count += 1;
-        for (bin, value) in row.iter().enumerate().take(whole) {
-            mass += self.curve.mass[bin];
-            sum += value * self.curve.mass[bin];
-            let (mean, least) = (if mass > 0.0 { sum / mass } else { 0.0 }, &mut self.curve.least_near[bin]);
-            *least = if self.whole[bin] == 0 { mean } else { least.min(mean) };
-            self.whole[bin] += 1;
         }
     }
 
