@@ -240,10 +240,10 @@ impl Child<'_> {
     }
 
     /// How evenly the class fills windows.
-    fn root_counts(&self, crowd: &Crowd) -> Vec<f64> {
+    fn root_counts(&self, crowd: &Crowd) -> Vec<Option<f64>> {
         let mut windows = Windows::over(self.domain, self.domain.bounds(), self.classes[self.class].r_max);
         crowd.bodies().iter().for_each(|body| windows.add(body.centre, 1.0));
-        windows.mean_roots(None)
+        windows.goals()
     }
 
     /// The bins beyond the axis.

@@ -45,7 +45,7 @@ pub struct Curve {
     pub tail: Tail,
     /// How evenly windows are filled, by their radius (`windows.rs`); only if asked for, and
     /// of a class that looks at itself.
-    pub root_counts: Vec<f64>,
+    pub root_counts: Vec<Option<f64>>,
     /// The individual curves, in the order of the class's elements; empty unless kept.
     pub individual: Vec<Vec<f64>>,
 }

@@ -33,6 +33,10 @@ const QUADRATURE: usize = 16;
 /// within).
 const LEAST_INSIDE: f64 = 0.6;
 
+/// Where fewer windows than this share of those in the domain count, they do not tell how the
+/// pattern fills them (ours: small classes have few wide windows, in domains with holes none).
+const LEAST_WHOLE: f64 = 0.5;
+
 /// The windows over a domain, or over one block of it.
 #[derive(Debug, Clone)]
 pub(super) struct Windows {
@@ -56,7 +60,9 @@ struct Grid {
     roots: Vec<f64>,
     /// What one element in its middle adds to each; 0 for windows that are left out.
     shares: Vec<f64>,
-    /// Windows that count.
+    /// Windows with their middle in the domain.
+    inside: usize,
+    /// Those that count.
     whole: usize,
     /// Σ of the roots.
     sum: f64,
@@ -88,6 +94,13 @@ impl Windows {
         }
     }
 
+    /// What the mean roots of other patterns of this kind are to be, by radius; `None` where too
+    /// few windows count to tell.
+    pub(super) fn goals(&self) -> Vec<Option<f64>> {
+        let tells = |grid: &Grid| grid.whole as f64 > LEAST_WHOLE * grid.inside as f64;
+        self.grids.iter().zip(self.mean_roots(None)).map(|(grid, root)| tells(grid).then_some(root)).collect()
+    }
+
     /// The mean root of the counts, by radius, with one more element at `p`.
     pub(super) fn mean_roots(&self, p: Option<Point>) -> Vec<f64> {
         let mean = |grid: &Grid| {
@@ -114,19 +127,33 @@ impl Grid {
         let share = |window: usize| {
             let p = origin + Point::new((window % columns) as f64, (window / columns) as f64) * step;
             if !domain.contains(p) {
-                return 0.0;
+                return None;
             }
             let body = Body { centre: p, radius: 0.0, frame: Frame::of_unit(unit) };
             let inside = {
                 let border = BorderWeight::new(domain, &body, radius, WEIGHT_CAP);
                 volume(radius, |d| border.at(d))
             };
-            if inside < LEAST_INSIDE * TAU * radius * radius / 6.0 { 0.0 } else { 1.0 / (DENSITY * inside) }
+            if inside < LEAST_INSIDE * TAU * radius * radius / 6.0 { Some(0.0) } else { Some(1.0 / (DENSITY * inside)) }
         };
-        let shares: Vec<f64> = (0..columns * rows).into_par_iter().map(share).collect();
+        let found: Vec<Option<f64>> = (0..columns * rows).into_par_iter().map(share).collect();
+        let inside = found.iter().flatten().count();
+        let shares: Vec<f64> = found.into_iter().map(|share| share.unwrap_or(0.0)).collect();
         let whole = shares.iter().filter(|share| **share > 0.0).count();
         let empty = vec![0.0; shares.len()];
-        Self { radius, origin, step, columns, rows, counts: empty.clone(), roots: empty, shares, whole, sum: 0.0 }
+        Self {
+            radius,
+            origin,
+            step,
+            columns,
+            rows,
+            counts: empty.clone(),
+            roots: empty,
+            shares,
+            inside,
+            whole,
+            sum: 0.0,
+        }
     }
 
     /// The windows that count and hold `p`, and how high their cones are there.
@@ -193,6 +220,12 @@ mod tests {
         assert!(filled(&clumps).mean_roots(None).iter().all(|root| *root < 0.7));
         let scattered = filled(&uniform(400)).mean_roots(None);
         assert!(scattered[0] > 0.9 && scattered[2] > scattered[0] && scattered[2] < 1.0, "{scattered:?}");
+    }
+
+    #[test]
+    fn windows_too_wide_for_the_domain_tell_nothing() {
+        assert!(filled(&uniform(400)).goals().iter().all(Option::is_some));
+        assert_eq!(filled(&uniform(10)).goals()[2], None);
     }
 
     #[test]

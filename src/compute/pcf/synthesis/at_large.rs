@@ -84,7 +84,7 @@ impl<'a> AtLarge<'a> {
         let goal = &self.patch.scene.views[0].target.root_counts;
         let roots = self.windows.mean_roots(p);
         let scale = ROOT_SCALE / (self.patch.scene.count.max(1) as f64).sqrt();
-        let square = |(root, goal): (&f64, &f64)| ((root - goal) / scale).powi(2);
+        let square = |(root, goal): (&f64, &Option<f64>)| goal.map_or(0.0, |goal| ((root - goal) / scale).powi(2));
         roots.iter().zip(goal).map(square).sum::<f64>() / goal.len().max(1) as f64
     }
 }
