@@ -163,7 +163,7 @@ fn has_places(patch: &Patch<'_>, parent: &Partner) -> bool {
     patch.holds(parent.place) || (0..DIRECTIONS).any(|k| patch.holds(parent.place + at(k)))
 }
 
-/// A place over or at the rim of a parent of view `v`, its distance uniform, as the axis is linear
+/// A place over or at the rim of a parent of `host`, its distance uniform, as the axis is linear
 /// in it. The parent is the loneliest of a few: where each is to have its own
 /// company, the ones without are few in the end, and seldom drawn.
 fn near_parent(
