@@ -223,7 +223,7 @@ pub struct SynthesisInput {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]
     pub tolerance_step: Option<f64>,
-    /// The most iterations of a descent; 0 leaves the refinement out. Default: 40.
+    /// The most iterations of a descent; 0 leaves the refinement out. Default: 12.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(max = 10_000))]
     pub max_iterations: Option<u32>,

@@ -214,7 +214,7 @@ impl Child<'_> {
             for Seen { rows, whole, triplets, far } in seen.into_iter().flatten() {
                 for ((row, whole), sum) in rows.into_iter().zip(whole).zip(&mut sums) {
                     sum.look_near(&row, whole);
-                    sum.add(row);
+                    sum.add(&row);
                 }
                 sums[0].add_triplets(&triplets);
                 if let Some(Far { pairs, rings }) = far {
@@ -340,7 +340,7 @@ impl CurveSum {
         Self { whole: vec![0; curve.mean.len()], curve, count: 0, middles: 0, keep }
     }
 
-    pub(super) fn add(&mut self, row: Vec<f64>) {
+    pub(super) fn add(&mut self, row: &[f64]) {
         let curve = &mut self.curve;
         for (bin, value) in row.iter().enumerate() {
             curve.mean[bin] += value;
@@ -349,7 +349,7 @@ impl CurveSum {
         }
         self.count += 1;
         if self.keep {
-            curve.individual.push(row);
+            curve.individual.push(row.to_vec());
         }
     }
 

@@ -74,7 +74,7 @@ pub fn analyse_ellipses(
     let rows: Vec<Vec<f64>> = (0..ellipses.len()).into_par_iter().map(row).collect();
     run.check()?;
     let mut sum = CurveSum::new(Curve { mass, ..Curve::empty(axis) }, options.keep_individual);
-    rows.into_iter().for_each(|row| sum.add(row));
+    rows.iter().for_each(|row| sum.add(row));
     Ok(sum.finish())
 }
 

@@ -8,6 +8,7 @@ use super::far::FarSums;
 use super::filling::Filling;
 use super::patch::Patch;
 use crate::compute::geometry::Point;
+use crate::compute::pcf::windows::TakenOut;
 use crate::compute::pcf::windows::Windows;
 
 /// Beyond its axis a curve counts this many times as much: what lies there is the sum over many
@@ -31,7 +32,7 @@ pub(super) struct AtLarge<'a> {
     weights: Vec<f64>,
     gone: Point,
     sums: FarSums,
-    windows: Windows,
+    windows: TakenOut,
     depths: Depths,
     /// The squared errors without it.
     before: f64,
@@ -42,7 +43,7 @@ impl<'a> AtLarge<'a> {
     /// For the block of `patch`, curves measured by `scales`.
     pub(super) fn new(patch: &'a Patch<'a>, scales: &[f64]) -> Self {
         let weights = scales.iter().map(|s| FAR_WEIGHT / (s * s)).collect();
-        let (sums, windows) = (FarSums::new(patch.scene), Windows::none());
+        let (sums, windows) = (FarSums::new(patch.scene), TakenOut::default());
         let (gone, depths) = (Point::default(), Depths::default());
         Self { patch, weights, gone, sums, windows, depths, before: 0.0, seen: Vec::new() }
     }
@@ -53,12 +54,12 @@ impl<'a> AtLarge<'a> {
         self.sums.clone_from(&filling.sums.far);
         filling.far.read(old, &mut self.seen);
         self.sums.add(&self.seen, -1.0);
-        self.windows.clone_from(&filling.windows);
-        self.windows.add(old, -1.0);
+        self.windows = filling.windows.take_out(old);
         self.depths = filling.depths;
         self.depths.add(self.patch.scene.depth(old), -1.0);
-        self.before =
-            self.far(filling.sums.placed, false) + self.unevenness(None) + STRIP_WEIGHT * self.depths.unevenness();
+        self.before = self.far(filling.sums.placed, false)
+            + self.unevenness(&filling.windows, None)
+            + STRIP_WEIGHT * self.depths.unevenness();
     }
 
     /// By how much the element raises the squared errors when it is put to `p`.
@@ -69,7 +70,7 @@ impl<'a> AtLarge<'a> {
             far::hide(&scene.tail, &mut self.seen, p.distance(self.gone) / scene.unit);
         }
         let strips = STRIP_WEIGHT * self.depths.unevenness_with(scene.depth(p));
-        self.far(filling.sums.placed, true) + self.unevenness(Some(p)) + strips - self.before
+        self.far(filling.sums.placed, true) + self.unevenness(&filling.windows, Some(p)) + strips - self.before
     }
 
     /// The squared errors of the curves beyond their axes, with or without what was seen last.
@@ -80,11 +81,10 @@ impl<'a> AtLarge<'a> {
     }
 
     /// How far the mean roots of the counts in windows are from the exemplar's, with an element at `p`.
-    fn unevenness(&self, p: Option<Point>) -> f64 {
+    fn unevenness(&self, windows: &Windows, p: Option<Point>) -> f64 {
         let goal = &self.patch.scene.views[0].target.root_counts;
-        let roots = self.windows.mean_roots(p);
         let scale = ROOT_SCALE / (self.patch.scene.count.max(1) as f64).sqrt();
-        let square = |(root, goal): (&f64, &Option<f64>)| goal.map_or(0.0, |goal| ((root - goal) / scale).powi(2));
-        roots.iter().zip(goal).map(square).sum::<f64>() / goal.len().max(1) as f64
+        let square = |(root, goal): (f64, &Option<f64>)| goal.map_or(0.0, |goal| ((root - goal) / scale).powi(2));
+        windows.mean_roots_without(&self.windows, p).zip(goal).map(square).sum::<f64>() / goal.len().max(1) as f64
     }
 }

@@ -10,47 +10,49 @@ use crate::compute::geometry::Point;
 use crate::compute::pcf::RELATIVE_FLOOR;
 use crate::compute::pcf::TailAxis;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Distance of two nodes in r_max: half a bin.
 const NODE_STEP: f64 = 0.5;
 
-/// Sections of a node's values, of one value a bin: the part of each ring inside the domain, pairs
-/// with the block's own elements, with the class's others, then with each parent class.
+/// Sections of what an element sees, of one value a bin: the part of each ring inside the domain,
+/// pairs with the class's elements outside the block, then with each parent class; last, pairs with
+/// the block's own elements.
 const RINGS: usize = 0;
-const INNER: usize = 1;
-const CONTEXT: usize = 2;
+const CONTEXT: usize = 1;
 
-/// The fields over one block.
-#[derive(Debug, Clone)]
-pub(super) struct Far {
+/// The fields over one block without its own elements, and where their nodes are.
+#[derive(Debug)]
+pub(super) struct Around {
     axis: TailAxis,
     unit: f64,
     origin: Point,
     step: f64,
     columns: usize,
     rows: usize,
+    /// Values of a node.
     width: usize,
     nodes: Vec<f64>,
 }
 
-impl Far {
-    /// The fields of `patch` without its own elements.
-    pub(super) fn around(patch: &Patch<'_>) -> Self {
+impl Around {
+    /// The fields of `patch`.
+    pub(super) fn of(patch: &Patch<'_>) -> Self {
         let (scene, axis) = (patch.scene, patch.scene.tail);
         let bounds = patch.block.bounds;
         let step = NODE_STEP * scene.unit;
         let size = |extent: f64| if axis.bins > 0 { (extent / step) as usize + 2 } else { 0 };
         let (columns, rows) = (size(bounds.width()), size(bounds.height()));
         let width = axis.bins * (CONTEXT + scene.views.len());
-        let mut far =
+        let mut around =
             Self { axis, unit: scene.unit, origin: bounds.min, step, columns, rows, width, nodes: Vec::new() };
         let row = |row: usize| {
-            let nodes = (0..columns).flat_map(|column| far.node(patch, far.place(column, row)));
+            let nodes = (0..columns).flat_map(|column| around.node(patch, around.place(column, row)));
             nodes.collect::<Vec<f64>>()
         };
         let all: Vec<Vec<f64>> = (0..rows).into_par_iter().map(row).collect();
-        far.nodes = all.concat();
-        far
+        around.nodes = all.concat();
+        around
     }
 
     fn place(&self, column: usize, row: usize) -> Point {
@@ -76,50 +78,85 @@ impl Far {
         });
     }
 
+    /// Adds an element `times` at `p` to the nodes of `row`, of which `inner` has one value a bin.
+    fn show_row(&self, inner: &mut [f64], (p, times): (Point, f64), row: usize) {
+        let (nearest, farthest) = (self.axis.range().0 * self.unit, self.axis.range().1 * self.unit);
+        let (offset, bins) = (p - self.place(0, row), self.axis.bins);
+        let half_width_sq = farthest * farthest - offset.y * offset.y;
+        if half_width_sq <= 0.0 {
+            return;
+        }
+        let (half_width, nearest_sq) = (half_width_sq.sqrt(), nearest * nearest);
+        let column = |x: f64| ((x / self.step).max(0.0) as usize).min(self.columns);
+        for column in column(offset.x - half_width)..column(offset.x + half_width + self.step) {
+            let distance_sq = (Point::new(column as f64 * self.step, 0.0) - offset).norm_sq();
+            if distance_sq > nearest_sq {
+                let node = &mut inner[column * bins..(column + 1) * bins];
+                self.axis.add(node, distance_sq.sqrt() / self.unit, times);
+            }
+        }
+    }
+}
+
+/// The fields over one block with its own elements.
+#[derive(Debug, Clone)]
+pub(super) struct Far {
+    around: Arc<Around>,
+    /// Pairs with the block's own elements, by node and bin.
+    inner: Vec<f64>,
+}
+
+impl Far {
+    /// The fields of `around` and of elements of the block at `places`.
+    pub(super) fn new(around: &Arc<Around>, places: &[Point]) -> Self {
+        let row_length = around.columns * around.axis.bins;
+        let mut inner = vec![0.0; row_length * around.rows];
+        inner.par_chunks_mut(row_length.max(1)).enumerate().for_each(|(row, inner)| {
+            places.iter().for_each(|p| around.show_row(inner, (*p, 1.0), row));
+        });
+        Self { around: Arc::clone(around), inner }
+    }
+
     /// Adds an element of the block `times` at `p`.
     pub(super) fn show(&mut self, p: Point, times: f64) {
-        let (nearest, farthest) = (self.axis.range().0 * self.unit, self.axis.range().1 * self.unit);
-        let bins = self.axis.bins;
-        let span = |low: f64, count: usize| {
-            let at = |v: f64| ((v / self.step).max(0.0) as usize).min(count);
-            at(low - farthest)..at(low + farthest + self.step)
-        };
-        let offset = p - self.origin;
-        let (columns, rows) = (span(offset.x, self.columns), span(offset.y, self.rows));
-        for row in rows {
-            for column in columns.clone() {
-                let distance = self.place(column, row).distance(p);
-                if distance > nearest && distance < farthest {
-                    let first = (row * self.columns + column) * self.width + INNER * bins;
-                    self.axis.add(&mut self.nodes[first..first + bins], distance / self.unit, times);
-                }
-            }
+        let (around, farthest) = (&self.around, self.around.axis.range().1 * self.around.unit);
+        let row = |y: f64| ((y / around.step).max(0.0) as usize).min(around.rows);
+        let (north, row_length) = (p.y - around.origin.y, around.columns * around.axis.bins);
+        for row in row(north - farthest)..row(north + farthest + around.step) {
+            around.show_row(&mut self.inner[row * row_length..(row + 1) * row_length], (p, times), row);
         }
     }
 
     /// What an element at `p` would see, between its four nodes.
     pub(super) fn read(&self, p: Point, seen: &mut Vec<f64>) {
+        let (around, bins) = (&*self.around, self.around.axis.bins);
         seen.clear();
-        seen.resize(self.width, 0.0);
-        if self.nodes.is_empty() {
+        seen.resize(around.width + bins, 0.0);
+        if around.nodes.is_empty() {
             return;
         }
-        let at = (p - self.origin) * (1.0 / self.step);
+        let at = (p - around.origin) * (1.0 / around.step);
         let cell = |v: f64, count: usize| (v.max(0.0) as usize).min(count - 2);
-        let (column, row) = (cell(at.x, self.columns), cell(at.y, self.rows));
+        let (column, row) = (cell(at.x, around.columns), cell(at.y, around.rows));
         let (u, v) = ((at.x - column as f64).clamp(0.0, 1.0), (at.y - row as f64).clamp(0.0, 1.0));
         let corners = [(0, 0, (1.0 - u) * (1.0 - v)), (1, 0, u * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 1, u * v)];
+        let (seen_around, seen_inner) = seen.split_at_mut(around.width);
         for (x, y, share) in corners {
-            let first = ((row + y) * self.columns + column + x) * self.width;
-            let node = &self.nodes[first..first + self.width];
-            seen.iter_mut().zip(node).for_each(|(sum, value)| *sum += share * value);
+            let node = (row + y) * around.columns + column + x;
+            add(seen_around, &around.nodes[node * around.width..(node + 1) * around.width], share);
+            add(seen_inner, &self.inner[node * bins..(node + 1) * bins], share);
         }
     }
 }
 
+fn add(sum: &mut [f64], values: &[f64], share: f64) {
+    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
+}
+
 /// Takes what an element sees of another at `distance` (r_max) in its own block out of `seen`.
 pub(super) fn hide(axis: &TailAxis, seen: &mut [f64], distance: f64) {
-    axis.add(&mut seen[INNER * axis.bins..(INNER + 1) * axis.bins], distance, -1.0);
+    let inner = seen.len() - axis.bins;
+    axis.add(&mut seen[inner..], distance, -1.0);
 }
 
 /// The sums over a block's elements of what they see beyond the axis.
@@ -139,12 +176,27 @@ impl FarSums {
         Self { axis: scene.tail, pairs: vec![0.0; scene.views.len() * bins], rings: vec![0.0; bins] }
     }
 
+    /// Those of elements at `places`, all of them in `far`.
+    pub(super) fn of(scene: &Scene<'_>, far: &Far, places: &[Point]) -> Self {
+        let (mut sums, mut seen) = (Self::new(scene), Vec::new());
+        for p in places {
+            far.read(*p, &mut seen);
+            sums.add_ends(&seen, (1.0, 1.0));
+        }
+        sums
+    }
+
     /// Adds `times` what an element `seen` from [`Far::read`] adds: its own pairs and, towards its
     /// own class, those that others of the block have with it.
     pub(super) fn add(&mut self, seen: &[f64], times: f64) {
+        self.add_ends(seen, (times, 2.0));
+    }
+
+    /// The same, pairs within the block counted at so many `ends`.
+    fn add_ends(&mut self, seen: &[f64], (times, ends): (f64, f64)) {
         let bins = self.axis.bins;
         for (k, sum) in self.pairs.iter_mut().enumerate() {
-            *sum += times * pairs(seen, (k / bins, k % bins), bins);
+            *sum += times * pairs(seen, (k / bins, k % bins), (bins, ends));
         }
         self.rings.iter_mut().zip(seen).for_each(|(sum, ring)| *sum += times * ring);
     }
@@ -153,7 +205,7 @@ impl FarSums {
     /// class itself the share `there` is laid out.
     fn excess(&self, (v, view): (usize, &View<'_>), (bin, there): (usize, f64), seen: Option<&[f64]>) -> f64 {
         let bins = self.axis.bins;
-        let (more, ring) = seen.map_or((0.0, 0.0), |s| (pairs(s, (v, bin), bins), s[RINGS * bins + bin]));
+        let (more, ring) = seen.map_or((0.0, 0.0), |s| (pairs(s, (v, bin), (bins, 2.0)), s[RINGS * bins + bin]));
         let expected = view.target.tail.mean[bin] * view.density * there;
         self.pairs[v * bins + bin] + more - expected * (self.rings[bin] + ring)
     }
@@ -188,8 +240,9 @@ impl FarSums {
     }
 }
 
-/// What an element `seen` adds to the pairs of view `v` in a bin.
-fn pairs(seen: &[f64], (v, bin): (usize, usize), bins: usize) -> f64 {
-    let section = |k: usize| seen[k * bins + bin];
-    if v == 0 { 2.0 * section(INNER) + section(CONTEXT) } else { section(CONTEXT + v) }
+/// What an element `seen` adds to the pairs of view `v` in a bin; those within the block counted at
+/// so many `ends`.
+fn pairs(seen: &[f64], (v, bin): (usize, usize), (bins, ends): (usize, f64)) -> f64 {
+    let around = seen[(CONTEXT + v) * bins + bin];
+    if v == 0 { ends * seen[seen.len() - bins + bin] + around } else { around }
 }

@@ -84,7 +84,7 @@ impl Filling {
     pub(super) fn empty(patch: &Patch<'_>, count: usize) -> Self {
         let inner = patch.inner();
         let sums = BlockSums { there: Some(There::of(patch, count)), ..BlockSums::new(patch.scene) };
-        let (seen, far) = (patch.seen_by_parents(&inner, 0.5), patch.far().clone());
+        let (seen, far) = (patch.seen_by_parents(&inner, 0.5), patch.far());
         Self {
             seen,
             inner,
@@ -110,12 +110,10 @@ impl Filling {
         let border =
             |i: usize| scene.border_table(patch.places[i], patch.reach_of(patch.radii[i] / scene.unit, &inner));
         let borders = (0..patch.places.len()).into_par_iter().map(border).collect();
-        let (seen, mut far, mut row) = (patch.seen_by_parents(&inner, 0.5), patch.far().clone(), Vec::new());
+        let (seen, far) = (patch.seen_by_parents(&inner, 0.5), patch.far());
+        sums.far = FarSums::of(scene, &far, &patch.places);
         let (mut windows, mut depths) = (patch.windows().clone(), patch.depths());
         for p in &patch.places {
-            far.read(*p, &mut row);
-            sums.far.add(&row, 1.0);
-            far.show(*p, 1.0);
             windows.add(*p, 1.0);
             depths.add(scene.depth(*p), 1.0);
         }

@@ -2,6 +2,8 @@ use super::meter::Meter;
 use super::outliers;
 use super::partners::Partner;
 use super::partners::Partners;
+use super::patch::Backdrop;
+use super::patch::Individual;
 use super::patch::Patch;
 use super::sampler::Block;
 use super::sampler::Sampler;
@@ -18,7 +20,7 @@ use crate::compute::random::unit;
 use crate::compute::run::Run;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::Arc;
 
 const DEAL: Purpose = Purpose::new("distribution.deal");
 
@@ -42,6 +44,10 @@ pub(super) struct Layout<'a> {
     blocks: Vec<(usize, Range<usize>)>,
     /// All elements of the class: those that were there before, then the new ones.
     all: Partners,
+    /// What the only block sees; where there are several, each sees its neighbours change.
+    backdrop: Arc<Backdrop>,
+    /// What the elements of the only block see as they lie now, once it was asked for.
+    known: Option<Vec<Individual>>,
 }
 
 /// What was done to lay a class out.
@@ -58,7 +64,7 @@ pub(super) struct Tally {
 impl<'a> Layout<'a> {
     pub(super) fn new(scene: &'a Scene<'a>, sampler: &'a Sampler<'a>) -> Self {
         let all = scene.views[0].partners.clone();
-        Self { scene, sampler, elements: Vec::new(), blocks: Vec::new(), all }
+        Self { scene, sampler, elements: Vec::new(), blocks: Vec::new(), all, backdrop: Arc::default(), known: None }
     }
 
     /// Fills all blocks with `radii` in their order, blocks of one colour at one time: each sees
@@ -130,15 +136,19 @@ impl<'a> Layout<'a> {
         for colour in 0..COLOURS {
             let of_colour = |k: &usize| self.sampler.blocks[blocks[*k].0].colour == colour;
             let turn: Vec<usize> = (0..blocks.len()).filter(of_colour).collect();
+            let known = self.known.take();
             let improve = |k: &usize| {
                 let mut patch = self.patch(self.blocks[*k].clone());
                 let stream = (self.scene.class as u64) << 24 | blocks[*k].0 as u64;
-                let improved = outliers::improve(&mut patch, stream, (options, meter))?;
-                Ok((improved, patch.places.into_iter().zip(patch.radii).collect::<Vec<_>>()))
+                let begun = known.clone().unwrap_or_else(|| patch.individuals());
+                let (improved, ended) = outliers::improve(&mut patch, begun, stream, (options, meter))?;
+                let elements: Vec<(Point, f64)> = patch.places.into_iter().zip(patch.radii).collect();
+                Ok((improved, elements, self.sampler.is_one_block().then_some(ended)))
             };
             let results: Vec<Result<_, PcfError>> = turn.par_iter().map(improve).collect();
             for (k, result) in turn.into_iter().zip(results) {
-                let (improved, elements) = result?;
+                let (improved, elements, ended) = result?;
+                self.known = ended;
                 tally.iterations = tally.iterations.max(improved.iterations);
                 tally.replaced += improved.replaced;
                 tally.missing += improved.missing;
@@ -178,9 +188,7 @@ impl<'a> Layout<'a> {
             context,
             places,
             radii,
-            far: OnceLock::new(),
-            windows: OnceLock::new(),
-            depths: OnceLock::new(),
+            backdrop: if self.sampler.is_one_block() { Arc::clone(&self.backdrop) } else { Arc::default() },
         }
     }
 
@@ -196,7 +204,7 @@ impl<'a> Layout<'a> {
     }
 
     /// The exact curves of the new elements, one a view.
-    pub(super) fn curves(&self, run: &Run) -> Result<Vec<Curve>, PcfError> {
+    pub(super) fn curves(&mut self, run: &Run) -> Result<Vec<Curve>, PcfError> {
         let empty = |v: &super::scene::View<'_>| Curve {
             child: self.scene.class,
             parent: v.target.parent,
@@ -207,9 +215,11 @@ impl<'a> Layout<'a> {
         let mut sums: Vec<CurveSum> = self.scene.views.iter().map(|v| CurveSum::new(empty(v), false)).collect();
         for block in &self.blocks {
             run.check()?;
-            for individual in self.patch(block.clone()).individuals() {
-                sums.iter_mut().zip(individual.rows).for_each(|(sum, row)| sum.add(row));
+            let individuals = self.known.take().unwrap_or_else(|| self.patch(block.clone()).individuals());
+            for individual in &individuals {
+                sums.iter_mut().zip(&individual.rows).for_each(|(sum, row)| sum.add(row));
             }
+            self.known = self.sampler.is_one_block().then_some(individuals);
         }
         Ok(sums.into_iter().map(CurveSum::finish).collect())
     }

@@ -76,7 +76,7 @@ pub struct SynthesisOptions {
     /// ε_Δ, what every rejection since the last acceptance adds to it. Default: 0.5 (ours;
     /// T gives no number and counts all rejections of the class).
     pub tolerance_step: f64,
-    /// The most iterations of a descent. Default: 40 (ours). 0: no refinement.
+    /// The most iterations of a descent. Default: 12 (ours: settling does better what more would). 0: no refinement.
     pub max_iterations: usize,
     /// The descent ends when elements move less than this many r_max in the mean. Default:
     /// 0.0001 (ours).
@@ -99,7 +99,7 @@ impl Default for SynthesisOptions {
             max_fails: 1000,
             tolerance: 0.0,
             tolerance_step: 0.5,
-            max_iterations: 40,
+            max_iterations: 12,
             least_move: 1e-4,
             outlier_rounds: 4,
             outlier_tolerance: 0.5,
@@ -234,6 +234,7 @@ fn lay_out(
         layout.improve((options, meter), &mut tally)?;
     }
     // 5. The report.
+
     let error = |curve: &Curve, view: &scene::View<'_>| rms(&curve.mean, &view.target.mean);
     for ((before, curve), view) in before.iter().zip(layout.curves(meter.run)?).zip(&scene.views) {
         result.curves.push(CurveReport { before: error(before, view), after: error(&curve, view), curve });

@@ -31,7 +31,7 @@ const TRIES: usize = 100;
 const PARTING_ROUNDS: usize = 4;
 
 /// Descents after outliers were laid out again are this many times shorter.
-const AGAIN_SHORTER: usize = 8;
+const AGAIN_SHORTER: usize = 6;
 
 /// Rounds end when one lowers the squared errors by less than this share of what they were at
 /// the beginning.
@@ -56,14 +56,15 @@ pub(super) struct Improved {
 
 /// Refines a filled block; then, round by round, lays its elements out again one at a time and
 /// refines, as long as that brings the curves nearer; then parts what is too near. No curve ends
-/// farther from its target than it began. `stream` numbers the block.
+/// farther from its target than it began. `begun` is what its elements see, `stream` numbers it; gives
+/// what they see at the end too.
 pub(super) fn improve(
     patch: &mut Patch<'_>,
+    begun: Vec<Individual>,
     stream: u64,
     (options, meter): (&SynthesisOptions, &Meter<'_>),
-) -> Result<Improved, PcfError> {
+) -> Result<(Improved, Vec<Individual>), PcfError> {
     let (run, count) = (meter.run, patch.places.len());
-    let begun = patch.individuals();
     let errors_begun = patch.errors_of(&begun);
     let limits = Limits::of(&errors_begun);
     let is_above = |errors: &[f64]| errors.iter().zip(&errors_begun).any(|(error, begun)| *error > begun + 1e-9);
@@ -106,7 +107,7 @@ pub(super) fn improve(
         individuals = patch.individuals();
     }
     let outside = individuals.iter().filter(|i| region_error(i, patch) > options.outlier_tolerance).count();
-    Ok(Improved { outside, ..improved })
+    Ok((Improved { outside, ..improved }, individuals))
 }
 
 /// The mean square of errors over what each is measured by.

@@ -1,4 +1,5 @@
 use super::depths::Depths;
+use super::far::Around;
 use super::far::Far;
 use super::partners::Partner;
 use super::partners::Partners;
@@ -11,7 +12,16 @@ use crate::compute::pcf::curve;
 use crate::compute::pcf::rms;
 use crate::compute::pcf::windows::Windows;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::OnceLock;
+
+/// What a block sees of all that is not its own, each part worked out when it is first asked for.
+#[derive(Debug, Default)]
+pub(super) struct Backdrop {
+    far: OnceLock<Arc<Around>>,
+    windows: OnceLock<Windows>,
+    depths: OnceLock<Depths>,
+}
 
 /// One block of a class: what it is filled with, and what its neighbours hold.
 pub(super) struct Patch<'a> {
@@ -25,18 +35,14 @@ pub(super) struct Patch<'a> {
     pub(super) places: Vec<Point>,
     /// Their radii in metres.
     pub(super) radii: Vec<f64>,
-    /// See [`Patch::far`].
-    pub(super) far: OnceLock<Far>,
-    /// See [`Patch::windows`].
-    pub(super) windows: OnceLock<Windows>,
-    /// See [`Patch::depths`].
-    pub(super) depths: OnceLock<Depths>,
+    /// What stays while only the block's own elements move.
+    pub(super) backdrop: Arc<Backdrop>,
 }
 
 impl<'a> Patch<'a> {
-    /// What elements see beyond the axis of anyone but the block's own.
-    pub(super) fn far(&self) -> &Far {
-        self.far.get_or_init(|| Far::around(self))
+    /// What elements see beyond the axis, of the block's own as they lie now.
+    pub(super) fn far(&self) -> Far {
+        Far::new(self.backdrop.far.get_or_init(|| Arc::new(Around::of(self))), &self.places)
     }
 
     /// The windows of a block that is all of the room, with what was there before; none with a
@@ -45,7 +51,7 @@ impl<'a> Patch<'a> {
     /// of the domain, of which blocks have more or less than the exemplar, and they would draw
     /// elements away from it or towards it.
     pub(super) fn windows(&self) -> &Windows {
-        self.windows.get_or_init(|| {
+        self.backdrop.windows.get_or_init(|| {
             if !self.sampler.is_one_block()
                 || !self.scene.intensity.is_flat()
                 || self.scene.views[0].target.root_counts.is_empty()
@@ -60,7 +66,7 @@ impl<'a> Patch<'a> {
 
     /// The strips along the border of the domain without the block's own elements.
     pub(super) fn depths(&self) -> Depths {
-        *self.depths.get_or_init(|| Depths::of(self))
+        *self.backdrop.depths.get_or_init(|| Depths::of(self))
     }
 
     /// Whether an element of the block may lie at `p`.
