@@ -25,6 +25,7 @@ pub(super) struct Partners {
     list: Vec<Partner>,
     bounds: Bounds,
     cell: f64,
+    per_cell: f64,
     columns: usize,
     rows: usize,
     starts: Vec<u32>,
@@ -39,7 +40,17 @@ impl Partners {
         let (columns, rows) = ((bounds.width() / cell) as usize + 1, (bounds.height() / cell) as usize + 1);
         let largest_radius = list.iter().map(|p| p.radius).fold(0.0, f64::max);
         let starts = vec![0; columns * rows + 1];
-        let mut partners = Self { list, bounds, cell, columns, rows, starts, sorted: Vec::new(), largest_radius };
+        let mut partners = Self {
+            list,
+            bounds,
+            cell,
+            per_cell: 1.0 / cell,
+            columns,
+            rows,
+            starts,
+            sorted: Vec::new(),
+            largest_radius,
+        };
         let mut sorted: Vec<(usize, u32)> =
             partners.list.iter().enumerate().map(|(i, p)| (partners.cell_of(p.place), i as u32)).collect();
         sorted.sort_unstable();
@@ -58,7 +69,7 @@ impl Partners {
         let bounds = bounds.within(self.bounds);
         let mut kept: Vec<usize> = Vec::new();
         for row in self.row(bounds.min.y)..=self.row(bounds.max.y) {
-            let near = self.row_of_cells(row, bounds.min.x, bounds.max.x).iter();
+            let near = self.row_of_cells(row, self.column(bounds.min.x), self.column(bounds.max.x)).iter();
             kept.extend(near.filter(|(p, _)| bounds.contains(p.place)).map(|(_, i)| *i as usize));
         }
         kept.retain(|i| keep(*i));
@@ -103,25 +114,25 @@ impl Partners {
     }
 
     fn column(&self, x: f64) -> usize {
-        (((x - self.bounds.min.x) / self.cell).max(0.0) as usize).min(self.columns - 1)
+        (((x - self.bounds.min.x) * self.per_cell).max(0.0) as usize).min(self.columns - 1)
     }
 
     fn row(&self, y: f64) -> usize {
-        (((y - self.bounds.min.y) / self.cell).max(0.0) as usize).min(self.rows - 1)
+        (((y - self.bounds.min.y) * self.per_cell).max(0.0) as usize).min(self.rows - 1)
     }
 
-    /// Those in the cells of `row` from `west` to `east`.
-    fn row_of_cells(&self, row: usize, west: f64, east: f64) -> &[(Partner, u32)] {
+    /// Those in the cells of `row` from column `west` to `east`.
+    fn row_of_cells(&self, row: usize, west: usize, east: usize) -> &[(Partner, u32)] {
         let first = row * self.columns;
-        let (west, east) = (self.starts[first + self.column(west)], self.starts[first + self.column(east) + 1]);
-        &self.sorted[west as usize..east as usize]
+        &self.sorted[self.starts[first + west] as usize..self.starts[first + east + 1] as usize]
     }
 
     /// Calls `visit` with the index and partner of all within `radius` metres.
     pub(super) fn for_each_near(&self, p: Point, radius: f64, mut visit: impl FnMut(usize, &Partner)) {
         let radius_sq = radius * radius;
+        let (west, east) = (self.column(p.x - radius), self.column(p.x + radius));
         for row in self.row(p.y - radius)..=self.row(p.y + radius) {
-            for (partner, i) in self.row_of_cells(row, p.x - radius, p.x + radius) {
+            for (partner, i) in self.row_of_cells(row, west, east) {
                 if partner.place.distance_sq(p) <= radius_sq {
                     visit(*i as usize, partner);
                 }
