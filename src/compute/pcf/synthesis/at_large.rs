@@ -13,7 +13,7 @@ use crate::compute::pcf::windows::Windows;
 
 /// Beyond its axis a curve counts this many times as much: what lies there is the sum over many
 /// pairs, and one element changes it little (ours).
-const FAR_WEIGHT: f64 = 4.0;
+const FAR_WEIGHT: f64 = 2.0;
 
 /// Mean roots of the counts in windows are measured by this over the root of the number of
 /// elements, as what they differ by among patterns of one kind (ours: a tenth of that, so that
@@ -23,7 +23,7 @@ const ROOT_SCALE: f64 = 0.07;
 /// What the unevenness of the strips along the border counts beside the curves: these are measured
 /// by what they begin with, strips by chance (ours: with less, elements that keep apart lie denser
 /// at the border; with more, curves of disks that belong to their parents suffer).
-const STRIP_WEIGHT: f64 = 0.15;
+const STRIP_WEIGHT: f64 = 0.08;
 
 /// A block without one of its elements.
 pub(super) struct AtLarge<'a> {
