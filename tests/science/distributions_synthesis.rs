@@ -339,8 +339,8 @@ fn by_blocks_no_curve_ends_worse_than_it_began() {
 #[test]
 fn progress_of_a_synthesis_by_blocks_is_fine_and_never_falls() {
     let exemplar = exemplars::hard_core(100, 1);
-    let domain = exemplars::rectangle(20.0, 20.0);
-    let target = Target { domain: &domain, room: None, density: None, fixed: &[], counts: vec![400] };
+    let domain = exemplars::rectangle(30.0, 30.0);
+    let target = Target { domain: &domain, room: None, density: None, fixed: &[], counts: vec![900] };
     let options = SynthesisOptions { block_elements: 50, outlier_rounds: 1, ..SynthesisOptions::default() };
     let told = Arc::new(Mutex::new(Vec::new()));
     let sink = Arc::clone(&told);

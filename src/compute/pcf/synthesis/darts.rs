@@ -1,6 +1,7 @@
 //! Initialisation: dart throwing with a growing tolerance, then a grid search (T Algorithm 1).
 
 use super::filling::Filling;
+use super::meter::Meter;
 use super::partners::Partner;
 use super::patch::Patch;
 use super::trial::BARRED;
@@ -41,8 +42,7 @@ pub(super) struct Filled {
 pub(super) fn fill(
     patch: &Patch<'_>,
     (index, mut radii): (usize, Vec<f64>),
-    options: &SynthesisOptions,
-    run: &Run,
+    (options, meter): (&SynthesisOptions, &Meter<'_>),
 ) -> Result<Filled, PcfError> {
     radii.sort_by(|a, b| b.total_cmp(a));
     let mut thrower = Thrower {
@@ -55,7 +55,8 @@ pub(super) fn fill(
         searching: false,
     };
     for radius in radii {
-        thrower.place(radius, run)?;
+        thrower.place(radius, meter.run)?;
+        meter.advance(1)?;
     }
     Ok(thrower.filled)
 }

@@ -129,6 +129,11 @@ impl BlockSums {
         Self { placed: 0, sums, triplets, far: FarSums::new(scene), there: None }
     }
 
+    /// Whether the block has all its elements.
+    pub(super) fn is_complete(&self) -> bool {
+        self.there.is_none()
+    }
+
     /// The sum of `placed` individual curves, over the target curve: towards a parent each is
     /// complete, towards the class itself it sees whom of it can be there.
     pub(super) fn expected(&self, v: usize, bin: usize, placed: usize) -> f64 {

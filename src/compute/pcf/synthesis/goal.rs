@@ -39,6 +39,8 @@ impl Sparse {
 pub(super) struct Goal {
     /// The curve.
     pub(super) mean: Vec<f64>,
+    /// The same as an aligned row.
+    pub(super) mean_row: Vec<f32>,
     /// The triplets; empty when the exemplar has none.
     pub(super) triplets: Vec<f64>,
     /// 1/(density·M(r)) of the partners, an aligned row.
@@ -92,6 +94,7 @@ impl Goal {
         let factors = sparse.of_row(factors);
         Self {
             mean: sparse.of_row(&curve.mean),
+            mean_row: rows.aligned(sparse.of_row(&curve.mean)),
             triplets: sparse.of_row(&curve.triplets),
             bounds: Bounds::new((&lower, &upper, &near), &factors, rows),
             factors: rows.aligned(factors),

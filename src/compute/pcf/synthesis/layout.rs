@@ -27,11 +27,16 @@ const DEAL: Purpose = Purpose::new("distribution.deal");
 /// Number of colours of the blocks.
 const COLOURS: usize = 4;
 
+/// How often the blocks of a class of `count` elements are improved: a second time where there are
+/// several, as each saw its neighbours change.
+pub(super) fn passes(count: usize, options: &SynthesisOptions) -> usize {
+    if count > options.block_elements { 2 } else { 1 }
+}
+
 /// In how many steps each of `asked` elements of a class is laid out: one for the darts, one for
 /// every round of each pass.
 pub(super) fn steps(asked: usize, options: &SynthesisOptions) -> usize {
-    let passes = if asked > options.block_elements { 2 } else { 1 };
-    1 + passes * (1 + options.outlier_rounds)
+    1 + passes(asked, options) * (1 + options.outlier_rounds)
 }
 
 /// One class while it is laid out, block by block.
@@ -79,11 +84,7 @@ impl<'a> Layout<'a> {
         for colour in 0..COLOURS {
             let of_colour = |b: &usize| self.sampler.blocks[*b].colour == colour && !hands[*b].is_empty();
             let blocks: Vec<usize> = (0..hands.len()).filter(of_colour).collect();
-            let fill = |b: &usize| {
-                let filled = darts::fill(&self.patch((*b, 0..0)), (*b, hands[*b].clone()), options, meter.run)?;
-                meter.advance(hands[*b].len())?;
-                Ok(filled)
-            };
+            let fill = |b: &usize| darts::fill(&self.patch((*b, 0..0)), (*b, hands[*b].clone()), (options, meter));
             let filled: Vec<Result<darts::Filled, PcfError>> = blocks.par_iter().map(fill).collect();
             for (block, filled) in blocks.iter().zip(filled) {
                 let filled = filled?;

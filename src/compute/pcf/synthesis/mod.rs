@@ -214,8 +214,8 @@ fn lay_out(
     let class = report.class;
     let scene = Scene::new(analysis, (target.domain, intensity), (class, &radii), &result.elements);
     let room = target.room.unwrap_or(target.domain);
-    let side = block_side(&scene, options);
-    let sampler = Sampler::new(room, intensity, (scene.unit, side, 0.0));
+    let (wide, least) = block_width(&scene, options);
+    let sampler = Sampler::new(room, intensity, (scene.unit, wide, least));
     if sampler.mass() <= 0.0 {
         return Err(PcfError::NoRoom);
     }
@@ -223,18 +223,17 @@ fn lay_out(
     let (mut layout, mut tally) = (Layout::new(&scene, &sampler), Tally::default());
     layout.fill(&radii, (options, meter), &mut tally)?;
     let before = layout.curves(meter.run)?;
-    // 4. Refinement, outliers laid out again; the seams of the blocks lie inside the blocks of
-    //    a second pass.
+    // 4. Refinement, outliers laid out again; a large class twice, the seams of its blocks inside
+    //    the blocks of the second pass.
     layout.improve((options, meter), &mut tally)?;
     let shifted;
-    if sampler.blocks.len() > 1 {
-        shifted = Sampler::new(room, intensity, (scene.unit, side, 0.5));
+    if layout::passes(scene.count, options) > 1 {
+        shifted = sampler.between();
         layout.regroup(&shifted);
         tally.outside = 0;
         layout.improve((options, meter), &mut tally)?;
     }
     // 5. The report.
-
     let error = |curve: &Curve, view: &scene::View<'_>| rms(&curve.mean, &view.target.mean);
     for ((before, curve), view) in before.iter().zip(layout.curves(meter.run)?).zip(&scene.views) {
         result.curves.push(CurveReport { before: error(before, view), after: error(&curve, view), curve });
@@ -268,16 +267,17 @@ impl ClassReport {
     }
 }
 
-/// Metres on a side of a block: all of the domain for a small class, and never less than the
-/// farthest two elements can see each other.
-fn block_side(scene: &Scene<'_>, options: &SynthesisOptions) -> f64 {
+/// How wide a block is to be, and at least: all of the domain for a small class, and never less
+/// than the farthest two elements can see each other; in metres.
+fn block_width(scene: &Scene<'_>, options: &SynthesisOptions) -> (f64, f64) {
     let bounds = scene.domain.bounds();
     if scene.count <= options.block_elements {
-        return bounds.width().max(bounds.height()) * 2.0;
+        let all = bounds.width().max(bounds.height()) * 2.0;
+        return (all, all);
     }
-    let side = (options.block_elements.max(1) as f64 * scene.domain.area() / scene.count as f64).sqrt();
     let sight = scene.metric.reach(scene.axis.reach(), scene.largest_radius(), scene.largest_radius());
-    side.max(sight * scene.unit)
+    let wide = (options.block_elements.max(1) as f64 * scene.domain.area() / scene.count as f64).sqrt();
+    (wide, sight * scene.unit)
 }
 
 /// The painted density over its mean in the domain.
@@ -289,7 +289,8 @@ fn relative_intensity<'a>(target: &Target<'a>) -> Result<Intensity<'a>, PcfError
     let total: usize = target.counts.iter().sum();
     let unit = maximal_spacing(target.domain.area(), total);
     let bounds = target.domain.bounds();
-    let whole = Sampler::new(target.domain, intensity, (unit, bounds.width().max(bounds.height()) * 2.0, 0.0));
+    let all = bounds.width().max(bounds.height()) * 2.0;
+    let whole = Sampler::new(target.domain, intensity, (unit, all, all));
     let mean = whole.mass() / target.domain.area();
     if mean > 0.0 { Ok(intensity.relative_to(mean)) } else { Err(PcfError::BadDensity { reason: "0 everywhere" }) }
 }

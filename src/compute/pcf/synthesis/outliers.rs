@@ -82,7 +82,7 @@ pub(super) fn improve(
     let (mut left, mut bearable) = (f64::INFINITY, f64::NEG_INFINITY);
     for round in 0..options.outlier_rounds {
         let random = Stream::new(options.seed, AGAIN, stream << 8 | round as u64);
-        let settled = settle(patch, (&individuals, &limits, &triplet_scales), (random, bearable), run)?;
+        let settled = settle(patch, (&individuals, &limits, &triplet_scales), (random, bearable), meter)?;
         improved.replaced += settled.moved;
         bearable = if round + 1 < EXACT_ROUNDS { f64::NEG_INFINITY } else { settled.median };
         improved.iterations += refine(patch, &limits, &shorter, run)?;
@@ -92,7 +92,6 @@ pub(super) fn improve(
         if holds {
             kept = (patch.places.clone(), individuals.clone());
         }
-        meter.advance(count)?;
         let before = left;
         left = mean_square(&errors, &limits.scales) + mean_square(&patch.triplet_errors(&individuals), &triplet_scales);
         if round >= EXACT_ROUNDS && holds && left > before - LEAST_ROUND_GAIN {

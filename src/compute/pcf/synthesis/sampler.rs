@@ -17,20 +17,21 @@ const MOST_CELLS: f64 = 2e6;
 /// Points on a side of the raster that measures how much of a border cell lies inside.
 const SUBSAMPLES: usize = 4;
 
-/// Where new elements may lie: the room cut into square cells, grouped in square blocks.
+/// Where new elements may lie: the room cut into square cells, grouped in rectangular blocks.
 #[derive(Debug)]
 pub(super) struct Sampler<'a> {
     room: &'a Region,
     intensity: Intensity<'a>,
     side: f64,
-    block_side: f64,
-    /// The south-west corner of the grid of blocks.
-    corner: Point,
+    /// Where columns of cells are cut into blocks: from the first to the one behind the last.
+    columns: Vec<usize>,
+    /// The same for rows.
+    rows: Vec<usize>,
     /// Blocks with room in them, in rows from the south-west.
     pub(super) blocks: Vec<Block>,
 }
 
-/// A square of the room that is filled at one time.
+/// A part of the room that is filled at one time.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
     /// Colour, 0 to 3: blocks of one colour do not touch.
@@ -53,41 +54,50 @@ pub(super) struct Cell {
 }
 
 impl<'a> Sampler<'a> {
-    /// Cuts `room` into cells of half an r_max (`unit`), finer in a narrow room, and blocks of
-    /// `block_side` metres; the grid of blocks begins `shift` of a block before the room.
-    pub(super) fn new(room: &'a Region, intensity: Intensity<'a>, (unit, block_side, shift): (f64, f64, f64)) -> Self {
+    /// Cuts `room` into cells of half an r_max (`unit`), finer in a narrow room, and evenly into blocks
+    /// about `wide` and at least `least` metres wide.
+    pub(super) fn new(room: &'a Region, intensity: Intensity<'a>, (unit, wide, least): (f64, f64, f64)) -> Self {
         let narrow = room.area() / room.segments().iter().map(|s| s.from.distance(s.to)).sum::<f64>();
         let side = (unit * CELL_IN_R_MAX).min(narrow).max((room.bounds().area() / MOST_CELLS).sqrt());
-        let per_block = ((block_side / side).round() as usize).max(1);
-        let before = (shift * per_block as f64).round() * side;
-        let bounds = Bounds::new(room.bounds().min - Point::new(before, before), room.bounds().max);
-        let (columns, rows) = ((bounds.width() / side) as usize + 1, (bounds.height() / side) as usize + 1);
-        let (block_columns, block_rows) = (columns.div_ceil(per_block), rows.div_ceil(per_block));
-        let whole = block_columns * block_rows == 1;
-        let block_side = if whole { f64::INFINITY } else { per_block as f64 * side };
-        let mut sampler = Self { room, intensity, side, block_side, corner: bounds.min, blocks: Vec::new() };
-        let block = |b: usize| {
-            let (bx, by) = (b % block_columns, b / block_columns);
-            let mut cells = Vec::new();
-            for row in by * per_block..((by + 1) * per_block).min(rows) {
-                for column in bx * per_block..((bx + 1) * per_block).min(columns) {
-                    let corner = bounds.min + Point::new(column as f64, row as f64) * side;
-                    cells.extend(sampler.cell(corner));
-                }
-            }
-            let mut mass = 0.0;
-            for (cell, own) in &mut cells {
-                mass += *own;
-                cell.cumulative = mass;
-            }
-            let cells: Vec<Cell> = cells.into_iter().map(|(cell, _)| cell).collect();
-            let corners = cells.iter().flat_map(|c| [c.corner, c.corner + Point::new(side, side)]);
-            let bounds = Bounds::of(corners).unwrap_or(bounds);
-            Block { colour: colour(bx, by), mass, cells, bounds }
-        };
-        let blocks: Vec<Block> = (0..block_columns * block_rows).into_par_iter().map(block).collect();
+        let cuts = |extent: f64| evenly((extent / side) as usize + 1, (wide / side, least / side));
+        let cuts = (cuts(room.bounds().width()), cuts(room.bounds().height()));
+        Self::cut(room, intensity, side, cuts)
+    }
+
+    /// The same room cut through the middle of its blocks, but for those at its ends, which would be
+    /// halved: the seams between blocks lie inside the new ones.
+    pub(super) fn between(&self) -> Self {
+        Self::cut(self.room, self.intensity, self.side, (between(&self.columns), between(&self.rows)))
+    }
+
+    /// Blocks between the cuts of columns and rows of cells.
+    fn cut(room: &'a Region, intensity: Intensity<'a>, side: f64, (columns, rows): (Vec<usize>, Vec<usize>)) -> Self {
+        let mut sampler = Self { room, intensity, side, columns, rows, blocks: Vec::new() };
+        let across = sampler.columns.len() - 1;
+        let all: Vec<usize> = (0..across * (sampler.rows.len() - 1)).collect();
+        let block = |b: &usize| sampler.block((b % across, b / across));
+        let blocks: Vec<Block> = all.par_iter().map(block).collect();
         sampler.blocks = blocks.into_iter().filter(|b| b.mass > 0.0).collect();
         sampler
+    }
+
+    /// The block in a column and row of blocks.
+    fn block(&self, (bx, by): (usize, usize)) -> Block {
+        let (mut cells, corner) = (Vec::new(), self.room.bounds().min);
+        for row in self.rows[by]..self.rows[by + 1] {
+            for column in self.columns[bx]..self.columns[bx + 1] {
+                cells.extend(self.cell(corner + Point::new(column as f64, row as f64) * self.side));
+            }
+        }
+        let mut mass = 0.0;
+        for (cell, own) in &mut cells {
+            mass += *own;
+            cell.cumulative = mass;
+        }
+        let cells: Vec<Cell> = cells.into_iter().map(|(cell, _)| cell).collect();
+        let corners = cells.iter().flat_map(|c| [c.corner, c.corner + Point::new(self.side, self.side)]);
+        let bounds = Bounds::of(corners).unwrap_or(self.room.bounds());
+        Block { colour: colour(bx, by), mass, cells, bounds }
     }
 
     /// The block that `p` lies in; the nearest block's number when it lies in none.
@@ -98,7 +108,7 @@ impl<'a> Sampler<'a> {
 
     /// Whether one block is all of the room.
     pub(super) fn is_one_block(&self) -> bool {
-        self.block_side.is_infinite()
+        self.columns.len() == 2 && self.rows.len() == 2
     }
 
     /// Whether one block is all of `domain`.
@@ -108,8 +118,12 @@ impl<'a> Sampler<'a> {
 
     /// The colour of the block around `p`.
     pub(super) fn colour_at(&self, p: Point) -> usize {
-        let at = |offset: f64| (offset / self.block_side).max(0.0) as usize;
-        colour(at(p.x - self.corner.x), at(p.y - self.corner.y))
+        let at = |offset: f64, cuts: &[usize]| {
+            let cell = (offset / self.side).max(0.0) as usize;
+            cuts[1..cuts.len() - 1].partition_point(|cut| *cut <= cell)
+        };
+        let offset = p - self.room.bounds().min;
+        colour(at(offset.x, &self.columns), at(offset.y, &self.rows))
     }
 
     /// ∫ density over the room.
@@ -171,6 +185,19 @@ impl<'a> Sampler<'a> {
     }
 }
 
+/// Where `cells` in a row are cut into even blocks, of about `wide` cells and at least `least`.
+fn evenly(cells: usize, (wide, least): (f64, f64)) -> Vec<usize> {
+    let blocks = (cells as f64 / wide).round().min(cells as f64 / least).max(1.0) as usize;
+    (0..=blocks).map(|k| k * cells / blocks).collect()
+}
+
+/// The cuts through the middles of all blocks between `cuts` but the first and the last.
+fn between(cuts: &[usize]) -> Vec<usize> {
+    let inner = cuts.windows(2).map(|pair| pair[0].midpoint(pair[1]));
+    let inner = inner.skip(1).take(cuts.len().saturating_sub(3));
+    cuts.first().copied().into_iter().chain(inner).chain(cuts.last().copied()).collect()
+}
+
 /// The colour of the block in a column and row of blocks.
 fn colour(column: usize, row: usize) -> usize {
     column % 2 + 2 * (row % 2)
@@ -193,5 +220,26 @@ impl Cell {
     /// ∫ density over the block's cells up to this one.
     pub(super) fn up_to(&self) -> f64 {
         self.cumulative
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_even_and_at_least_as_wide_as_asked() {
+        assert_eq!(evenly(10, (100.0, 5.0)), [0, 10]);
+        assert_eq!(evenly(10, (4.0, 1.0)), [0, 3, 6, 10]);
+        assert_eq!(evenly(10, (4.0, 4.0)), [0, 5, 10]);
+        assert_eq!(evenly(1, (0.2, 1.0)), [0, 1]);
+    }
+
+    #[test]
+    fn the_second_cut_goes_through_blocks_and_halves_none_at_the_ends() {
+        assert_eq!(between(&[0, 10]), [0, 10]);
+        assert_eq!(between(&[0, 10, 20]), [0, 20]);
+        assert_eq!(between(&[0, 10, 20, 30]), [0, 15, 30]);
+        assert_eq!(between(&[0, 10, 20, 30, 40]), [0, 15, 25, 40]);
     }
 }

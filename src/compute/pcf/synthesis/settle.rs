@@ -8,6 +8,7 @@
 use super::at_large::AtLarge;
 use super::filling::Filling;
 use super::limits::Limits;
+use super::meter::Meter;
 use super::partners::Partner;
 use super::patch::Individual;
 use super::patch::Patch;
@@ -19,7 +20,6 @@ use crate::compute::pcf::DISJOINT;
 use crate::compute::pcf::Metric;
 use crate::compute::pcf::PcfError;
 use crate::compute::random::Stream;
-use crate::compute::run::Run;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -73,7 +73,7 @@ pub(super) fn settle(
     patch: &mut Patch<'_>,
     (individuals, limits, triplet_scales): (&[Individual], &Limits, &[f64]),
     (mut random, bearable): (Stream, f64),
-    run: &Run,
+    meter: &Meter<'_>,
 ) -> Result<Round, PcfError> {
     let mut order: Vec<usize> = (0..patch.places.len()).collect();
     random.shuffle(&mut order);
@@ -81,7 +81,7 @@ pub(super) fn settle(
     let hosts = hosts(patch);
     let (mut moved, mut burdens) = (0, Vec::new());
     for batch in order.chunks((order.len() / ELEMENTS_EACH).clamp(1, MOST_AT_ONCE)) {
-        run.check()?;
+        meter.run.check()?;
         let choices: Vec<(usize, Choices)> =
             batch.iter().map(|i| (*i, choices((patch, &settling.filling, &hosts), *i, &mut random))).collect();
         let wishes = settling.wishes(&choices);
@@ -95,6 +95,7 @@ pub(super) fn settle(
         }
         moved += moved_here;
         burdens.extend(wishes.iter().map(|wish| wish.burden));
+        meter.advance(batch.len())?;
     }
     burdens.sort_by(f64::total_cmp);
     patch.places = settling.places();

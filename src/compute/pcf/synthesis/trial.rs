@@ -100,6 +100,7 @@ impl<'a> Trial<'a> {
         let (row, crossed) = (&mut rows[0], &mut crossed[0]);
         [&mut *row, &mut *back, &mut *same, &mut *crossed].into_iter().for_each(|r| r.fill(0.0));
         let (mut barred, own_weight) = (false, scene.intensity.weight(p));
+        let (is_complete, mean) = (filling.sums.is_complete(), &scene.views[0].goal.mean_row);
         let mut term = |partner: &Partner| {
             let distance = partner.place.distance(p) / scene.unit;
             barred |= distance * scene.unit < scene.closest;
@@ -110,9 +111,14 @@ impl<'a> Trial<'a> {
         let far = |partners: &Partners| (scene.reach(partners, radius, extent) * scene.unit).max(scene.closest);
         let context = self.patch.partners(0);
         context.for_each_near(p, far(context), |_, partner| {
-            let Some(((first, kernel), weight, _)) = term(partner) else { return };
+            let Some(((first, kernel), weight, distance)) = term(partner) else { return };
             add(&mut row[first..], kernel, weight);
             add_squares(&mut same[first..], kernel, weight);
+            if is_complete {
+                let back_weight = (border.at(distance) * own_weight) as f32;
+                add(&mut back[first..], kernel, back_weight);
+                add_products(&mut crossed[first..], (kernel, &mean[first..]), back_weight);
+            }
         });
         filling.inner.for_each_near(p, far(&filling.inner), |j, partner| {
             if absence.element == Some(j) {
