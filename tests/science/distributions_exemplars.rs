@@ -224,6 +224,27 @@ pub fn hard_core(count: usize, seed: u64) -> Exemplar {
     Exemplar { name: "hard-core".into(), elements, domain: rectangle(10.0, 10.0), graph, metric: Metric::Point }
 }
 
+/// 300 points in a square of side 10, independent or in groups of six.
+pub fn scattered(in_groups: bool, seed: u64) -> Exemplar {
+    let mut r = Stream::new(seed, Purpose::new("test.scattered"), 0);
+    let domain = rectangle(10.0, 10.0);
+    let mut elements = Vec::new();
+    while elements.len() < 300 {
+        let middle = Point::new(r.range(0.0, 10.0), r.range(0.0, 10.0));
+        let places: Vec<Point> = if in_groups {
+            (0..6).map(|_| middle + Point::new(r.normal(), r.normal()) * 0.3).collect()
+        } else {
+            vec![middle]
+        };
+        let inside = places.into_iter().filter(|p| domain.contains(*p));
+        elements.extend(inside.map(|centre| Element { centre, radius: 0.0, class: 0 }));
+    }
+    elements.truncate(300);
+    let name = if in_groups { "groups" } else { "independent" };
+    let graph = Dependencies::new(1, &[]).unwrap();
+    Exemplar { name: name.into(), elements, domain, graph, metric: Metric::Point }
+}
+
 /// Elements at least 0.75 of a spacing apart, about 300 in a square of side 10 that is cut out of a
 /// larger one, and so as dense at its border as within; disks of the disk metric do not overlap.
 pub fn cut_out_of_more(metric: Metric, seed: u64) -> Exemplar {

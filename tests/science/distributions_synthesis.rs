@@ -337,6 +337,22 @@ fn by_blocks_no_curve_ends_worse_than_it_began() {
 }
 
 #[test]
+fn in_a_larger_domain_by_small_blocks_no_curve_ends_worse_than_it_began() {
+    // Every block meets the curve by itself and shifts what its neighbours see.
+    let domain = exemplars::rectangle(26.0, 26.0);
+    for exemplar in [exemplars::scattered(false, 3), exemplars::scattered(true, 3)] {
+        let target = Target { domain: &domain, room: None, density: None, fixed: &[], counts: vec![2028] };
+        for seed in 1..3 {
+            let options = SynthesisOptions { seed, block_elements: 150, ..SynthesisOptions::default() };
+            let result = pcf::synthesise(&exemplar.analysed(), &target, &options, &Run::silent()).unwrap();
+            let (before, after) = (result.curves[0].before, result.curves[0].after);
+            println!("{} seed {seed}: {before:.4} became {after:.4}", exemplar.name);
+            assert!(after <= before, "{}: {before} became {after}", exemplar.name);
+        }
+    }
+}
+
+#[test]
 fn progress_of_a_synthesis_by_blocks_is_fine_and_never_falls() {
     let exemplar = exemplars::hard_core(100, 1);
     let domain = exemplars::rectangle(30.0, 30.0);
