@@ -353,17 +353,21 @@ impl CurveSum {
         }
     }
 
-    /// Looks at how few partners an element with this curve has near, up to the first `whole` places.
+    /// Looks at how few partners an element with this curve has near, before it is added; its circles
+    /// up to the first `whole` places lie in the domain.
     pub(super) fn look_near(&mut self, row: &[f64], whole: usize) {
         let (mut sum, mut mass) = (0.0, 0.0);
-        let Curve { mass: masses, least_near, .. } = &mut self.curve;
-        let places = row.iter().zip(masses).zip(least_near.iter_mut().zip(&mut self.whole));
-        for ((value, expected), (least, count)) in places.take(whole) {
+        let Curve { mass: masses, least_near, least_near_border, .. } = &mut self.curve;
+        let bounds = least_near.iter_mut().zip(least_near_border).zip(&mut self.whole);
+        for (bin, ((value, expected), ((inside, anywhere), count))) in row.iter().zip(masses).zip(bounds).enumerate() {
             mass += *expected;
             sum += value * *expected;
             let mean = if mass > 0.0 { sum / mass } else { 0.0 };
-            *least = if *count == 0 { mean } else { least.min(mean) };
-            *count += 1;
+            *anywhere = if self.count == 0 { mean } else { anywhere.min(mean) };
+            if bin < whole {
+                *inside = if *count == 0 { mean } else { inside.min(mean) };
+                *count += 1;
+            }
         }
     }
 
@@ -385,8 +389,9 @@ impl CurveSum {
             *mean /= middles;
             *square = (*square / middles - *mean * *mean).max(0.0);
         }
-        for (least, whole) in self.curve.least_near.iter_mut().zip(&self.whole) {
-            *least = if 2 * whole < self.count { 0.0 } else { *least };
+        let Curve { least_near, least_near_border, .. } = &mut self.curve;
+        for ((inside, anywhere), whole) in least_near.iter_mut().zip(least_near_border).zip(&self.whole) {
+            *inside = if 2 * whole < self.count { *anywhere } else { *inside };
         }
         self.curve.mean.iter_mut().for_each(|v| *v /= count);
         self.curve

@@ -30,10 +30,13 @@ pub struct Curve {
     /// Their pointwise greatest value.
     pub upper: Vec<f64>,
     /// The least running mean Σ curve·M/ΣM of the individual curves up to each place, among those
-    /// whose circles up to there lie in the domain; 0 where fewer than half of them do. A part of
-    /// the validity region (ours): pointwise bounds do not tell an element that has nobody near
-    /// from one whose partners stand a little elsewhere.
+    /// whose circles up to there lie in the domain; among all where fewer than half of them do. A
+    /// part of the validity region (ours): pointwise bounds do not tell an element that has nobody
+    /// near from one whose partners stand a little elsewhere.
     pub least_near: Vec<f64>,
+    /// The same among all elements, for those at the border: 0 where one of the exemplar's there has
+    /// nobody near, as in a pattern that is cut off.
+    pub least_near_border: Vec<f64>,
     /// Mean over the elements of the parent class of Σ over pairs of two different elements of
     /// the child class, both at r: how far those come together (third order). Only if asked for;
     /// else empty.
@@ -94,7 +97,8 @@ impl Curve {
             mean: zeros.clone(),
             lower: zeros.clone(),
             upper: zeros.clone(),
-            least_near: zeros,
+            least_near: zeros.clone(),
+            least_near_border: zeros,
             triplets: Vec::new(),
             triplet_variance: Vec::new(),
             tail: Tail::default(),

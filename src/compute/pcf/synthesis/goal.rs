@@ -61,24 +61,34 @@ pub(super) struct Bounds {
     pub(super) below: (Vec<f32>, Vec<f32>),
     /// The same for kernel sums summed up to each place, below the least of the exemplar's.
     pub(super) near: (Vec<f32>, Vec<f32>),
+    /// The same where circles are cut off by the border.
+    pub(super) near_border: (Vec<f32>, Vec<f32>),
 }
 
 impl Bounds {
-    fn new((lower, upper, near): (&[f64], &[f64], &[f64]), factors: &[f64], rows: &KernelRows) -> Self {
+    fn new(curve: &Curve, factors: &[f64], (sparse, rows): (&Sparse, &KernelRows)) -> Self {
         let sided = |sign: f64, bound: &[f64]| {
+            let bound = sparse.of_row(bound);
             let slope = bound.iter().zip(factors).map(|(b, f)| sign * f / b.max(RELATIVE_FLOOR));
             let can_lie = |f: &f64| f64::from(u8::from(*f > 0.0));
             let offset = bound.iter().zip(factors).map(|(b, f)| -sign * can_lie(f) * b / b.max(RELATIVE_FLOOR));
             (rows.aligned(slope), rows.aligned(offset))
         };
-        let mut mass = 0.0;
-        let near_slope = near.iter().zip(factors).map(|(least, factor)| {
-            mass += if *factor > 0.0 { 1.0 / factor } else { 0.0 };
-            if mass > 0.0 { -1.0 / (mass * least.max(RELATIVE_FLOOR)) } else { 0.0 }
-        });
-        let near_offset = near.iter().map(|least| least / least.max(RELATIVE_FLOOR));
-        let near = (rows.aligned(near_slope), rows.aligned(near_offset));
-        Self { above: sided(1.0, upper), below: sided(-1.0, lower), near }
+        let near = |least: &[f64]| {
+            let (least, mut mass) = (sparse.of_row(least), 0.0);
+            let slope = least.iter().zip(factors).map(|(least, factor)| {
+                mass += if *factor > 0.0 { 1.0 / factor } else { 0.0 };
+                if mass > 0.0 { -1.0 / (mass * least.max(RELATIVE_FLOOR)) } else { 0.0 }
+            });
+            let slope = rows.aligned(slope);
+            (slope, rows.aligned(least.iter().map(|least| least / least.max(RELATIVE_FLOOR))))
+        };
+        Self {
+            above: sided(1.0, &curve.upper),
+            below: sided(-1.0, &curve.lower),
+            near: near(&curve.least_near),
+            near_border: near(&curve.least_near_border),
+        }
     }
 }
 
@@ -89,14 +99,12 @@ impl Goal {
         (factors, reverse): (&[f64], &[f64]),
         (sparse, rows): (&Sparse, &KernelRows),
     ) -> Self {
-        let (lower, upper, near) =
-            (sparse.of_row(&curve.lower), sparse.of_row(&curve.upper), sparse.of_row(&curve.least_near));
         let factors = sparse.of_row(factors);
         Self {
             mean: sparse.of_row(&curve.mean),
             mean_row: rows.aligned(sparse.of_row(&curve.mean)),
             triplets: sparse.of_row(&curve.triplets),
-            bounds: Bounds::new((&lower, &upper, &near), &factors, rows),
+            bounds: Bounds::new(curve, &factors, (sparse, rows)),
             factors: rows.aligned(factors),
             reverse: rows.aligned(sparse.of_row(reverse)),
         }

@@ -295,18 +295,18 @@ impl<'a> Trial<'a> {
         self.farthest(v, below)
     }
 
-    /// How far what it has near in view `v` is below the least any of the exemplar's elements has,
-    /// up to where all circles around it lie in the domain.
+    /// How far what it has near in view `v` is below the least any of the exemplar's elements has:
+    /// of those within up to where all circles around it lie in the domain, beyond of all.
     fn alone_in(&self, v: usize) -> f64 {
-        let (slopes, offsets) = &self.patch.scene.views[v].goal.bounds.near;
-        let start = self.kernel.axis().start;
-        let whole = start..start + self.whole[v];
+        let (bounds, axis) = (&self.patch.scene.views[v].goal.bounds, self.kernel.axis());
+        let cut = axis.start + self.whole[v];
         let (mut sum, mut most) = (0.0_f32, 0.0_f32);
-        for ((value, slope), offset) in
-            self.rows[v][whole.clone()].iter().zip(&slopes[whole.clone()]).zip(&offsets[whole])
-        {
-            sum += value;
-            most = most.max(sum * slope + offset);
+        for ((slopes, offsets), places) in [(&bounds.near, axis.start..cut), (&bounds.near_border, cut..axis.end)] {
+            let bounds = slopes[places.clone()].iter().zip(&offsets[places.clone()]);
+            for (value, (slope, offset)) in self.rows[v][places].iter().zip(bounds) {
+                sum += value;
+                most = most.max(sum * slope + offset);
+            }
         }
         f64::from(most)
     }
