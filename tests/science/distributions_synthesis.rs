@@ -159,6 +159,32 @@ fn what_keeps_to_the_rim_of_trees_does_so_in_holes_and_at_the_border() {
     assert!(error < 0.8 && astray * 4 < new && in_hole <= 3, "{error}: {astray} of {new}, {in_hole} in the hole");
 }
 
+#[test]
+fn what_keeps_to_the_rim_of_trees_does_so_along_the_borders_of_another_domain() {
+    // A hole to lie along, away from any tree: there circles are cut off, and who is alone is not.
+    let forest = exemplars::forest(1);
+    let corner = Region::rectangle(Bounds::new(Point::new(75.0, 75.0), Point::new(150.0, 150.0))).unwrap();
+    let square = exemplars::rectangle(150.0, 150.0);
+    let domain = square.minus(&corner).and_then(|l| l.minus(&disk_region(Point::new(40.0, 40.0), 18.0))).unwrap();
+    let times = domain.area() / forest.domain.area();
+    let counts = forest.counts().iter().map(|count| (*count as f64 * times) as usize).collect();
+    let (analysis, target) = (forest.analysed(), Target { domain: &domain, counts, ..forest.target() });
+    let lay_out = |seed: u64| {
+        let options = SynthesisOptions { seed, ..SynthesisOptions::default() };
+        pcf::synthesise(&analysis, &target, &options, &Run::silent()).unwrap()
+    };
+    let (mut astray, mut all) = (0, 0);
+    for result in (1..=4).into_par_iter().map(lay_out).collect::<Vec<Synthesis>>() {
+        let trees = of_class(&result.elements, 0);
+        let is_astray = |e: &&Element| trees.iter().all(|t| (t.centre.distance(e.centre) - t.radius).abs() > 1.5);
+        let mushrooms = of_class(&result.elements, 2);
+        astray += mushrooms.iter().filter(is_astray).count();
+        all += mushrooms.len();
+    }
+    println!("{astray} of {all} astray");
+    assert!(astray * 100 < all, "{astray} of {all}");
+}
+
 fn disk_region(centre: Point, radius: f64) -> Region {
     let corner = |k: i32| centre + Point::from_angle(f64::from(k) * TAU / 48.0) * radius;
     let outer = (0..48).map(corner).collect();
