@@ -121,8 +121,9 @@ struct Descent<'a> {
 }
 
 impl<'a> Descent<'a> {
-    /// Round by round: gather the pairs in reach, descend while the lists hold, and keep the
-    /// round only if it holds with border weights of the new places.
+    /// Round by round: gather the pairs in reach and descend while the lists hold; a round is kept
+    /// only if it holds with the border weights of the new places. The last is not looked at again:
+    /// whoever refines a block works out its curves.
     fn descend(&mut self, places: Vec<Point>, run: &Run) -> Result<Refined, PcfError> {
         let mut best = Refined { places, iterations: 0 };
         let mut rank = 0;
@@ -132,13 +133,16 @@ impl<'a> Descent<'a> {
             run.check()?;
             let before = state.total;
             let (round, last_rank, settled) = self.round(&best, (state, rank), run)?;
+            if settled || round.iterations >= self.options.max_iterations {
+                return Ok(round);
+            }
             self.gather(&round.places);
             state = self.measure(&round.places);
             if state.total >= before {
                 break;
             }
             (best, rank) = (round, last_rank);
-            if settled || state.total > before * (1.0 - LEAST_GAIN) || best.iterations >= self.options.max_iterations {
+            if state.total > before * (1.0 - LEAST_GAIN) {
                 break;
             }
         }
