@@ -46,13 +46,12 @@ impl<'a> Patch<'a> {
     }
 
     /// The windows of a block that is all of the room, with what was there before; none with a
-    /// painted density, which says itself how elements lie at large. None either where there are
-    /// several blocks: how full windows are depends on how many of them are cut off by the border
-    /// of the domain, of which blocks have more or less than the exemplar, and they would draw
-    /// elements away from it or towards it.
+    /// painted density, which says itself how elements lie at large. None either in a large domain:
+    /// how full windows are depends on how many of them are cut off by its border, of which it has
+    /// fewer than the exemplar, and they would draw elements away from it or towards it.
     pub(super) fn windows(&self) -> &Windows {
         self.backdrop.windows.get_or_init(|| {
-            if !self.sampler.is_one_block()
+            if !self.sampler.is_undivided()
                 || !self.scene.intensity.is_flat()
                 || self.scene.views[0].target.root_counts.is_empty()
             {

@@ -27,6 +27,8 @@ pub(super) struct Sampler<'a> {
     columns: Vec<usize>,
     /// The same for rows.
     rows: Vec<usize>,
+    /// Whether no more than one block was asked for.
+    is_undivided: bool,
     /// Blocks with room in them, in rows from the south-west.
     pub(super) blocks: Vec<Block>,
 }
@@ -61,7 +63,8 @@ impl<'a> Sampler<'a> {
         let side = (unit * CELL_IN_R_MAX).min(narrow).max((room.bounds().area() / MOST_CELLS).sqrt());
         let cuts = |extent: f64| evenly((extent / side) as usize + 1, (wide / side, least / side));
         let cuts = (cuts(room.bounds().width()), cuts(room.bounds().height()));
-        Self::cut(room, intensity, side, cuts)
+        let is_undivided = wide >= room.bounds().width().max(room.bounds().height());
+        Self { is_undivided, ..Self::cut(room, intensity, side, cuts) }
     }
 
     /// The same room cut through the middle of its blocks, but for those at its ends, which would be
@@ -72,7 +75,7 @@ impl<'a> Sampler<'a> {
 
     /// Blocks between the cuts of columns and rows of cells.
     fn cut(room: &'a Region, intensity: Intensity<'a>, side: f64, (columns, rows): (Vec<usize>, Vec<usize>)) -> Self {
-        let mut sampler = Self { room, intensity, side, columns, rows, blocks: Vec::new() };
+        let mut sampler = Self { room, intensity, side, columns, rows, is_undivided: false, blocks: Vec::new() };
         let across = sampler.columns.len() - 1;
         let all: Vec<usize> = (0..across * (sampler.rows.len() - 1)).collect();
         let block = |b: &usize| sampler.block((b % across, b / across));
@@ -109,6 +112,11 @@ impl<'a> Sampler<'a> {
     /// Whether one block is all of the room.
     pub(super) fn is_one_block(&self) -> bool {
         self.columns.len() == 2 && self.rows.len() == 2
+    }
+
+    /// Whether the room is one block because so few elements are to be laid out.
+    pub(super) fn is_undivided(&self) -> bool {
+        self.is_undivided
     }
 
     /// Whether one block is all of `domain`.
