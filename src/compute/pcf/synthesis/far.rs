@@ -201,12 +201,11 @@ impl FarSums {
         self.rings.iter_mut().zip(seen).for_each(|(sum, ring)| *sum += times * ring);
     }
 
-    /// The pairs of a bin in view `v` beyond those expected, with one more element `seen`; of the
-    /// class itself the share `there` is laid out.
-    fn excess(&self, (v, view): (usize, &View<'_>), (bin, there): (usize, f64), seen: Option<&[f64]>) -> f64 {
+    /// The pairs of a bin in view `v` beyond those expected, with one more element `seen`.
+    fn excess(&self, (v, view): (usize, &View<'_>), bin: usize, seen: Option<&[f64]>) -> f64 {
         let bins = self.axis.bins;
         let (more, ring) = seen.map_or((0.0, 0.0), |s| (pairs(s, (v, bin), (bins, 2.0)), s[RINGS * bins + bin]));
-        let expected = view.target.tail.mean[bin] * view.density * there;
+        let expected = view.target.tail.mean[bin] * view.density;
         self.pairs[v * bins + bin] + more - expected * (self.rings[bin] + ring)
     }
 
@@ -215,28 +214,29 @@ impl FarSums {
     pub(super) fn mean_square(&self, (v, view): (usize, &View<'_>), count: usize, seen: Option<&[f64]>) -> f64 {
         let square = |bin: usize| {
             let all = self.axis.ring(bin) * view.density * count.max(1) as f64;
-            (self.excess((v, view), (bin, 1.0), seen) / all).powi(2)
+            (self.excess((v, view), bin, seen) / all).powi(2)
         };
         (0..self.axis.bins).map(square).sum::<f64>() / self.axis.bins.max(1) as f64
     }
 
     /// How much farther from its target tail an element `seen` brings view `v`: the growth of
-    /// squares over the variance of independent pairs, as for curves; `there` of the class is laid
-    /// out before and after it, by bin.
-    pub(super) fn growth(
-        &self,
-        (v, view): (usize, &View<'_>),
-        there: (impl Fn(usize) -> f64, impl Fn(usize) -> f64),
-        seen: &[f64],
-    ) -> f64 {
-        let ends = if v == 0 { 2.0 } else { 1.0 };
+    /// squares over the variance of independent pairs, as for curves. `due` says in areas of rings how
+    /// many partners there can be before it, and how many more with it, by bin.
+    pub(super) fn growth(&self, (v, view): (usize, &View<'_>), due: impl Fn(usize) -> (f64, f64), seen: &[f64]) -> f64 {
+        let (bins, ends) = (self.axis.bins, if v == 0 { 2.0 } else { 1.0 });
         let one = |bin: usize| {
-            let before = self.excess((v, view), (bin, there.0(bin)), None);
-            let after = self.excess((v, view), (bin, there.1(bin)), Some(seen));
-            let goal = view.target.tail.mean[bin].max(RELATIVE_FLOOR);
-            (after * after - before * before) / (self.axis.ring(bin) * view.density * goal * ends)
+            let ((all, more), goal) = (due(bin), view.target.tail.mean[bin]);
+            let before = self.pairs[v * bins + bin] - goal * view.density * all;
+            let after = before + pairs(seen, (v, bin), (bins, 2.0)) - goal * view.density * more;
+            let variance = self.axis.ring(bin) * view.density * goal.max(RELATIVE_FLOOR) * ends;
+            (after * after - before * before) / variance
         };
-        (0..self.axis.bins).map(one).sum::<f64>() / self.axis.bins.max(1) as f64
+        (0..bins).map(one).sum::<f64>() / bins.max(1) as f64
+    }
+
+    /// The parts of the rings of a bin around all elements that lie in the domain.
+    pub(super) fn ring_sum(&self, bin: usize) -> f64 {
+        self.rings[bin]
     }
 }
 

@@ -35,6 +35,8 @@ pub(super) struct BlockSums {
     pub(super) triplets: Vec<Vec<f64>>,
     /// What its elements see beyond the axis.
     pub(super) far: FarSums,
+    /// What they are due to see meanwhile.
+    pub(super) due: Due,
     /// Which partners its elements can have meanwhile; none once it is complete.
     there: Option<There>,
 }
@@ -42,18 +44,53 @@ pub(super) struct BlockSums {
 /// Which partners of their class the elements of a block can have while it is filled.
 #[derive(Debug, Clone)]
 struct There {
-    /// Of the rings around them, at every place of the axis.
-    near: Vec<Share>,
-    /// The same for the other end of triplets around a parent.
-    across: Vec<Share>,
+    shares: Shares,
+    /// Radii in metres of the rings at every place of the axis.
+    reaches: Vec<f64>,
     /// The same for the bins beyond the axis.
-    far: Vec<Share>,
+    far: Vec<f64>,
     /// What they see of the elements that were there before, at every place of the axis.
     fixed: Vec<f64>,
     /// How many partners in the block make it as dense as the whole class is in the domain.
     as_dense: f64,
     /// How dense blocks are that are filled.
     filled: f64,
+}
+
+/// What elements see in a uniform pattern of what is there while their block is filled, given where
+/// they lie: sums over the elements of a block, or what one more adds. By places of the axis.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Due {
+    /// Of their own class.
+    pub(super) near: Vec<f64>,
+    /// Of the triplets of their own class.
+    pub(super) triplets: Vec<f64>,
+    /// Of the triplets around a parent, whose other end must be there.
+    pub(super) across: Vec<f64>,
+    /// Beyond the axis, by bin, in areas of rings.
+    pub(super) far: Vec<f64>,
+    /// The shares of the rings around the last place.
+    rings: Vec<Share>,
+}
+
+impl Due {
+    /// Adds what one more element is due.
+    pub(super) fn add(&mut self, one: &Self) {
+        let add = |sum: &mut Vec<f64>, more: &[f64]| {
+            sum.resize(more.len(), 0.0);
+            sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        };
+        add(&mut self.near, &one.near);
+        add(&mut self.triplets, &one.triplets);
+        add(&mut self.across, &one.across);
+        add(&mut self.far, &one.far);
+    }
+
+    /// No elements at so many places of the axis and bins beyond it.
+    fn none((places, bins): (usize, usize)) -> Self {
+        let zeros = || vec![0.0; places];
+        Self { near: zeros(), triplets: zeros(), across: zeros(), far: vec![0.0; bins], rings: Vec::new() }
+    }
 }
 
 /// A block while it is filled: its elements, what each sees of its own class, and the sums.
@@ -126,7 +163,14 @@ impl BlockSums {
     pub(super) fn new(scene: &Scene<'_>) -> Self {
         let sums = vec![vec![0.0; scene.sparse.bins()]; scene.views.len()];
         let triplets = scene.views.iter().map(|v| vec![0.0; v.triplet_weights.len()]).collect();
-        Self { placed: 0, sums, triplets, far: FarSums::new(scene), there: None }
+        Self {
+            placed: 0,
+            sums,
+            triplets,
+            far: FarSums::new(scene),
+            due: Due::none((scene.sparse.bins(), scene.tail.bins)),
+            there: None,
+        }
     }
 
     /// Whether the block has all its elements.
@@ -134,30 +178,34 @@ impl BlockSums {
         self.there.is_none()
     }
 
-    /// The sum of `placed` individual curves, over the target curve: towards a parent each is
-    /// complete, towards the class itself it sees whom of it can be there.
-    pub(super) fn expected(&self, v: usize, bin: usize, placed: usize) -> f64 {
-        let there = self.there.as_ref().filter(|_| v == 0);
-        placed as f64 * there.map_or(1.0, |t| t.share(&t.near[bin], t.fixed[bin], placed))
-    }
-
-    /// The sum of `placed` elements' triplets, over the target: both partners must be there; of
-    /// triplets around parents the other end.
-    pub(super) fn expected_triplets(&self, v: usize, bin: usize, placed: usize) -> f64 {
-        let share = |t: &There| {
-            if v > 0 {
-                t.share(&t.across[bin], t.fixed[bin], placed)
-            } else {
-                t.share_squared(&t.near[bin], t.fixed[bin], placed)
-            }
-        };
-        placed as f64 * self.there.as_ref().map_or(1.0, share)
-    }
-
-    /// The share of an element's partners of its own class beyond the axis that is there.
-    pub(super) fn seen_far(&self, v: usize, bin: usize, placed: usize) -> f64 {
-        let there = self.there.as_ref().filter(|_| v == 0);
-        there.map_or(1.0, |t| t.share(&t.far[bin], t.fixed.last().copied().unwrap_or(0.0), placed))
+    /// Writes to `due` what one more element at `p` is due to see, the parts of the rings beyond the
+    /// axis around which lie in the domain by `rings`.
+    ///
+    /// It depends on the place: at a seam to a block that is still empty an element sees less, and
+    /// were that not expected of it, elements would be drawn to seams or kept from them.
+    pub(super) fn one_more(&self, (p, rings): (Point, &[f64]), due: &mut Due) {
+        let Some(there) = &self.there else { return };
+        there.shares.around(p, &mut due.rings);
+        let placed = self.placed;
+        let grows =
+            |share: &dyn Fn(usize) -> f64| (placed + 1) as f64 * share(placed + 1) - placed as f64 * share(placed);
+        due.near.clear();
+        due.triplets.clear();
+        due.across.clear();
+        due.far.clear();
+        for (reach, fixed) in there.reaches.iter().zip(&there.fixed) {
+            let (near, across) = (there.shares.at(&due.rings, *reach), there.shares.at(&due.rings, reach * ACROSS));
+            due.near.push(grows(&|placed| there.share(&near, *fixed, placed)));
+            due.triplets.push(grows(&|placed| there.share_squared(&near, *fixed, placed)));
+            due.across.push(grows(&|placed| there.share(&across, *fixed, placed)));
+        }
+        let fixed = there.fixed.last().copied().unwrap_or(0.0);
+        for (bin, reach) in there.far.iter().enumerate() {
+            let share = there.shares.at(&due.rings, *reach);
+            let (before, after) = (there.share(&share, fixed, placed), there.share(&share, fixed, placed + 1));
+            let all = self.far.ring_sum(bin);
+            due.far.push((all + rings[bin]) * after - all * before);
+        }
     }
 }
 
@@ -168,26 +216,25 @@ impl There {
         let largest = scene.largest_radius();
         let reach = |bin: usize| scene.metric.reach(scene.sparse.axis.r(bin), largest, largest) * scene.unit;
         let farthest = (reach(bins.saturating_sub(1)) * ACROSS).max(scene.tail.range().1 * scene.unit);
-        let shares = Shares::of(patch, farthest);
         let others = (scene.count.max(2) - 1) as f64;
         let whole = patch.sampler.is_all_of(scene.domain);
         let as_dense = if whole { others } else { others * patch.block.mass / scene.domain.area() };
         Self {
-            near: (0..bins).map(|bin| shares.at(reach(bin))).collect(),
-            across: (0..bins).map(|bin| shares.at(reach(bin) * ACROSS)).collect(),
-            far: (0..scene.tail.bins).map(|bin| shares.at(scene.tail.place(bin) * scene.unit)).collect(),
+            shares: Shares::of(patch, farthest),
+            reaches: (0..bins).map(reach).collect(),
+            far: (0..scene.tail.bins).map(|bin| scene.tail.place(bin) * scene.unit).collect(),
             fixed: fixed_seen(patch),
             as_dense,
             filled: count as f64 / as_dense,
         }
     }
 
-    /// The share of their partners that elements see, with `placed` of them in the block.
+    /// The share of its partners that an element sees, with `placed` of them in the block.
     fn share(&self, share: &Share, fixed: f64, placed: usize) -> f64 {
         share.own * self.own_density(placed) + share.filled * self.filled + fixed
     }
 
-    /// The mean of its square.
+    /// Its square.
     fn share_squared(&self, share: &Share, fixed: f64, placed: usize) -> f64 {
         let (own, filled) = (self.own_density(placed), self.filled);
         let of_new = share.own * own + share.filled * filled;

@@ -8,23 +8,20 @@
 
 use super::patch::Patch;
 use crate::compute::geometry::Point;
-use crate::compute::random::Purpose;
-use crate::compute::random::Stream;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-const SHARES: Purpose = Purpose::new("distribution.shares");
-
-/// Places of the block whose rings are looked at.
-const PLACES: usize = 300;
-
 /// Points on a ring.
-const DIRECTIONS: usize = 8;
+const DIRECTIONS: usize = 24;
 
 /// Rings, from 0 to the farthest; between them the shares are near enough linear.
 const RINGS: usize = 24;
 
-/// Parts of a ring in the domain, in the mean over uniform places of the block, and what their
-/// products are in the mean.
+/// Distance of two places whose rings are looked at, in r_max; between them the shares are near
+/// enough linear.
+const NODE_STEP: f64 = 1.0;
+
+/// Parts of a ring in the domain, and their products, which are mixed by themselves.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Share {
     /// In the block itself.
@@ -60,56 +57,76 @@ impl Share {
     }
 }
 
-/// The shares of rings of any radius around the places of a block.
+/// The shares of rings of any radius around the places of a block, by a grid of places.
+#[derive(Debug, Clone)]
 pub(super) struct Shares {
-    /// Metres from one ring to the next.
+    origin: Point,
+    /// Metres from one node to the next.
     step: f64,
-    /// By ring; empty for a block that is all of the domain.
-    rings: Vec<Share>,
+    columns: usize,
+    rows: usize,
+    /// Metres from one ring to the next.
+    ring_step: f64,
+    /// By node and ring; empty for a block that is all of the domain.
+    nodes: Vec<Share>,
 }
 
 impl Shares {
     /// Of the block of `patch`, up to rings of `farthest` metres.
     pub(super) fn of(patch: &Patch<'_>, farthest: f64) -> Self {
+        let (bounds, step) = (patch.block.bounds, NODE_STEP * patch.scene.unit);
+        let size = |extent: f64| (extent / step) as usize + 2;
+        let (columns, rows) = (size(bounds.width()), size(bounds.height()));
+        let ring_step = farthest / RINGS as f64;
+        let mut shares = Self { origin: bounds.min, step, columns, rows, ring_step, nodes: Vec::new() };
         if patch.sampler.is_all_of(patch.scene.domain) || farthest <= 0.0 {
-            return Self { step: 1.0, rings: Vec::new() };
+            return shares;
         }
-        let step = farthest / RINGS as f64;
-        let mut random = Stream::new(0, SHARES, patch.scene.class as u64);
-        let mut rings = vec![Share::default(); RINGS + 1];
-        let mut seen = [0.0; RINGS + 1];
-        for _ in 0..PLACES {
-            let Some(p) = patch.sampler.draw(patch.block, &mut random) else { continue };
-            let turn = random.unit();
-            for (k, ring) in rings.iter_mut().enumerate() {
-                if let Some(share) = around(patch, p, (k as f64 * step, turn)) {
-                    *ring = Share::mixed((*ring, 1.0), (share, 1.0));
-                    seen[k] += 1.0;
-                }
-            }
-        }
-        let mean = |(ring, seen): (Share, f64)| {
-            if seen > 0.0 { Share::mixed((ring, 1.0 / seen), (ring, 0.0)) } else { Share::WHOLE }
+        let ring = |k: usize| {
+            let (node, ring) = (k / (RINGS + 1), k % (RINGS + 1));
+            let p = bounds.min + Point::new((node % columns) as f64, (node / columns) as f64) * step;
+            around(patch, p, ring as f64 * ring_step).unwrap_or(Share::WHOLE)
         };
-        Self { step, rings: rings.into_iter().zip(seen).map(mean).collect() }
+        shares.nodes = (0..columns * rows * (RINGS + 1)).into_par_iter().map(ring).collect();
+        shares
     }
 
-    /// Of rings of `radius` metres.
-    pub(super) fn at(&self, radius: f64) -> Share {
-        let Some(last) = self.rings.len().checked_sub(1) else { return Share::WHOLE };
-        let at = (radius / self.step).clamp(0.0, last as f64);
+    /// Writes the shares of the rings around `p`, from 0 to the farthest, to `rings`; none for a
+    /// block that is all of the domain.
+    pub(super) fn around(&self, p: Point, rings: &mut Vec<Share>) {
+        rings.clear();
+        if self.nodes.is_empty() {
+            return;
+        }
+        rings.resize(RINGS + 1, Share::default());
+        let at = (p - self.origin) * (1.0 / self.step);
+        let cell = |v: f64, count: usize| (v.max(0.0) as usize).min(count - 2);
+        let (column, row) = (cell(at.x, self.columns), cell(at.y, self.rows));
+        let (u, v) = ((at.x - column as f64).clamp(0.0, 1.0), (at.y - row as f64).clamp(0.0, 1.0));
+        let corners = [(0, 0, (1.0 - u) * (1.0 - v)), (1, 0, u * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 1, u * v)];
+        for (x, y, part) in corners {
+            let first = ((row + y) * self.columns + column + x) * (RINGS + 1);
+            for (ring, share) in rings.iter_mut().zip(&self.nodes[first..]) {
+                *ring = Share::mixed((*ring, 1.0), (*share, part));
+            }
+        }
+    }
+
+    /// Of `rings`, the share of the one of `radius` metres.
+    pub(super) fn at(&self, rings: &[Share], radius: f64) -> Share {
+        let Some(last) = rings.len().checked_sub(1) else { return Share::WHOLE };
+        let at = (radius / self.ring_step).clamp(0.0, last as f64);
         let lower = (at as usize).min(last.saturating_sub(1));
         let share = at - lower as f64;
-        Share::mixed((self.rings[lower], 1.0 - share), (self.rings[lower + 1], share))
+        Share::mixed((rings[lower], 1.0 - share), (rings[lower + 1], share))
     }
 }
 
-/// Of the ring around `p`, its points turned by a share of their distance; `None` when none of it
-/// lies in the domain.
-fn around(patch: &Patch<'_>, p: Point, (radius, turn): (f64, f64)) -> Option<Share> {
+/// Of the ring around `p`; `None` when none of it lies in the domain.
+fn around(patch: &Patch<'_>, p: Point, radius: f64) -> Option<Share> {
     let (mut inside, mut own, mut filled) = (0.0, 0.0, 0.0);
     for k in 0..DIRECTIONS {
-        let q = p + Point::from_angle(TAU * (k as f64 + turn) / DIRECTIONS as f64) * radius;
+        let q = p + Point::from_angle(TAU * (k as f64 + 0.5) / DIRECTIONS as f64) * radius;
         if !patch.scene.domain.contains(q) {
             continue;
         }

@@ -2,6 +2,7 @@ use super::absence::Absence;
 use super::absence::for_each_seeing;
 use super::border_table::BorderTable;
 use super::filling::BlockSums;
+use super::filling::Due;
 use super::filling::Filling;
 use super::goal::Bounds;
 use super::kernel_rows::KernelRows;
@@ -39,6 +40,8 @@ pub(super) struct Trial<'a> {
     triplets: Vec<Vec<f32>>,
     /// What a dart sees beyond the axis.
     far: Vec<f64>,
+    /// What it is due to see of its own class.
+    due: Due,
     /// Places of the axis, from the first, at which the last candidate's circles lie in the domain,
     /// one number a view.
     whole: Vec<usize>,
@@ -59,6 +62,7 @@ impl<'a> Trial<'a> {
             curves: rows(),
             triplets: rows(),
             far: Vec::new(),
+            due: Due::default(),
             whole: vec![0; patch.scene.views.len()],
         }
     }
@@ -73,6 +77,7 @@ impl<'a> Trial<'a> {
             return BARRED;
         }
         filling.far.read(p, &mut self.far);
+        filling.sums.one_more((p, &self.far), &mut self.due);
         let views = scene.views.len();
         let (mut growth, mut outside) = (0.0, 0.0_f64);
         for v in 0..views {
@@ -203,11 +208,12 @@ impl<'a> Trial<'a> {
     fn triplet_growth(&self, v: usize, sums: &BlockSums) -> f64 {
         let view = &self.patch.scene.views[v];
         let mut growth = 0.0;
+        let (all, one) =
+            if v == 0 { (&sums.due.triplets, &self.due.triplets) } else { (&sums.due.across, &self.due.across) };
         for (bin, inverse) in view.triplet_weights.iter().enumerate() {
             let triplets = view.goal.triplets[bin];
-            let before = sums.triplets[v][bin] - triplets * sums.expected_triplets(v, bin, sums.placed);
-            let after = sums.triplets[v][bin] + self.triplets_at(v, bin)
-                - triplets * sums.expected_triplets(v, bin, sums.placed + 1);
+            let before = sums.triplets[v][bin] - triplets * all[bin];
+            let after = before + self.triplets_at(v, bin) - triplets * one[bin];
             growth += (after * after - before * before) * inverse;
         }
         growth / view.goal.triplets.len().max(1) as f64
@@ -216,8 +222,10 @@ impl<'a> Trial<'a> {
     /// The same beyond the axis.
     fn far_growth(&self, v: usize, sums: &BlockSums) -> f64 {
         let view = &self.patch.scene.views[v];
-        let there = |placed: usize| move |bin: usize| sums.seen_far(v, bin, placed);
-        sums.far.growth((v, view), (there(sums.placed), there(sums.placed + 1)), &self.far)
+        let due = |bin: usize| {
+            if v == 0 { (sums.due.far[bin], self.due.far[bin]) } else { (sums.far.ring_sum(bin), self.far[bin]) }
+        };
+        sums.far.growth((v, view), due, &self.far)
     }
 
     /// For one view: the growth of the block's distance to its target curve.
@@ -229,12 +237,15 @@ impl<'a> Trial<'a> {
     /// brings the pattern nearer its target, 1 or 2 in the mean when it neither helps nor harms.
     fn growth(&self, v: usize, sums: &BlockSums) -> f64 {
         let (view, start) = (&self.patch.scene.views[v], self.kernel.axis().start);
-        let mut growth = 0.0;
+        let (placed, mut growth) = (sums.placed as f64, 0.0);
         for (bin, target) in view.goal.mean.iter().enumerate() {
             let factor = f64::from(view.goal.factors[start + bin]);
             if factor > 0.0 {
-                let before = sums.sums[v][bin] - target * sums.expected(v, bin, sums.placed);
-                let after = sums.sums[v][bin] + self.curve_at(v, bin) - target * sums.expected(v, bin, sums.placed + 1);
+                // Towards a parent an element's curve is complete, towards the class itself it sees
+                // whom of it can be there.
+                let (all, one) = if v == 0 { (sums.due.near[bin], self.due.near[bin]) } else { (placed, 1.0) };
+                let before = sums.sums[v][bin] - target * all;
+                let after = before + self.curve_at(v, bin) - target * one;
                 growth += (after * after - before * before) / (factor * target.max(RELATIVE_FLOOR));
             }
         }
@@ -385,6 +396,7 @@ impl<'a> Trial<'a> {
         filling.curves.push(Vec::new());
         filling.inner.push(partner);
         filling.sums.placed += 1;
+        filling.sums.due.add(&self.due);
         let last = filling.curves.len() - 1;
         self.add_to_sums(1.0, filling);
         filling.sums.far.add(&self.far, 1.0);
