@@ -24,6 +24,9 @@ const MISSES: usize = 32;
 /// Places of one level of a painted density differ by at most this factor from the first.
 const LEVEL_WIDTH: f64 = 1.3;
 
+/// Where strata of cells begin, in r_max from the edges of a block (ours).
+const EDGES: [f64; 6] = [0.5, 1.0, 1.5, 2.5, 4.0, 6.0];
+
 /// What a block was filled with.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Filled {
@@ -53,6 +56,7 @@ pub(super) fn fill(
         random: Stream::new(options.seed, DARTS, (patch.scene.class as u64) << 32 | index as u64),
         filled: Filled::default(),
         searching: false,
+        strata: Strata::of(patch),
     };
     for radius in radii {
         thrower.place(radius, meter.run)?;
@@ -69,6 +73,14 @@ struct Thrower<'a> {
     random: Stream,
     filled: Filled,
     searching: bool,
+    strata: Strata,
+}
+
+/// Where the darts of one element may fall.
+#[derive(Debug, Clone, Copy)]
+struct Aim {
+    stratum: usize,
+    level: f64,
 }
 
 impl Thrower<'_> {
@@ -91,14 +103,14 @@ impl Thrower<'_> {
 
     /// Throws darts until one is below the tolerance; `None` after `max_fails` in a row.
     fn throw(&mut self, radius: f64, run: &Run) -> Result<Option<Point>, PcfError> {
-        let mut level = None;
+        let mut aim = None;
         for fails in 0..self.options.max_fails {
             if fails % LOOK_EVERY == 0 {
                 run.check()?;
             }
             let tolerance = self.options.tolerance + self.options.tolerance_step * fails as f64;
-            let Some(p) = (0..MISSES).find_map(|_| self.draw(level)) else { continue };
-            level = level.or(Some(self.patch.scene.intensity.at(p)));
+            let Some((p, hit)) = (0..MISSES).find_map(|_| self.draw(aim)) else { continue };
+            aim = aim.or(Some(hit));
             self.filled.darts += 1;
             if self.error(p, radius, tolerance) <= tolerance {
                 return Ok(Some(p));
@@ -107,15 +119,21 @@ impl Thrower<'_> {
         Ok(None)
     }
 
-    /// A place drawn by the density. With a painted one, the first dart of an element decides how
-    /// dense its place is (`level`) and the others keep to that: where elements lie thin, curves
-    /// are rougher and darts fail more often, which must not thin them further.
-    fn draw(&mut self, level: Option<f64>) -> Option<Point> {
-        let (intensity, level) = (self.patch.scene.intensity, level.filter(|_| !self.patch.scene.intensity.is_flat()));
-        let is_level = |p: &Point| {
-            level.is_none_or(|level| (1.0 / LEVEL_WIDTH..=LEVEL_WIDTH).contains(&(intensity.at(*p) / level)))
+    /// A place drawn by the density. The first dart of an element decides how far from the edges of
+    /// the block its place is and, with a painted density, how dense; the others keep to that
+    /// (`aim`). Where elements see few others, at edges, or lie thin, curves are rougher or smoother
+    /// and darts fail more or less often, which must not change the density.
+    fn draw(&mut self, aim: Option<Aim>) -> Option<(Point, Aim)> {
+        let (patch, intensity) = (self.patch, self.patch.scene.intensity);
+        let cell = match aim {
+            Some(aim) => self.strata.draw_cell(aim.stratum, &mut self.random),
+            None => patch.block.draw_cell(&mut self.random),
         };
-        self.patch.sampler.draw(self.patch.block, &mut self.random).filter(is_level)
+        let p = patch.sampler.draw_in(patch.block.cells().get(cell)?, &mut self.random)?;
+        let level = intensity.at(p);
+        let is_level = |aim: Aim| (1.0 / LEVEL_WIDTH..=LEVEL_WIDTH).contains(&(level / aim.level));
+        let keeps = intensity.is_flat() || aim.is_none_or(is_level);
+        keeps.then_some((p, Aim { stratum: self.strata.of_cell[cell], level }))
     }
 
     /// The best of one random place in every cell of the block (T 3.5.2), ties by a coin.
@@ -147,4 +165,48 @@ impl Thrower<'_> {
         self.trial.accept(partner, &mut self.filling);
         self.filled.elements.push((p, radius));
     }
+}
+
+/// The cells of a block by their distance from its edges: seams to other blocks and the border of
+/// the domain.
+struct Strata {
+    /// The stratum of every cell.
+    of_cell: Vec<usize>,
+    /// For each stratum its cells, and Σ of the density over them up to each.
+    cells: Vec<Vec<(usize, f64)>>,
+}
+
+impl Strata {
+    /// Of the block of `patch`; of one that is all of the room one stratum, as its elements settle
+    /// along the border by themselves.
+    fn of(patch: &Patch<'_>) -> Self {
+        let edges: &[f64] = if patch.sampler.is_undivided() { &[] } else { &EDGES };
+        let mut strata = Self { of_cell: Vec::new(), cells: vec![Vec::new(); edges.len() + 1] };
+        let mut before = 0.0;
+        for (number, cell) in patch.block.cells().iter().enumerate() {
+            let depth = depth(patch, patch.sampler.circle_around(cell).0) / patch.scene.unit;
+            let stratum = edges.iter().filter(|edge| depth >= **edge).count();
+            let all = strata.cells[stratum].last().map_or(0.0, |(_, all)| *all);
+            strata.cells[stratum].push((number, all + cell.up_to() - before));
+            strata.of_cell.push(stratum);
+            before = cell.up_to();
+        }
+        strata
+    }
+
+    /// The number of a cell of a stratum that has any, drawn by the density.
+    fn draw_cell(&self, stratum: usize, random: &mut Stream) -> usize {
+        let cells = &self.cells[stratum];
+        let at = random.unit() * cells.last().map_or(0.0, |(_, all)| *all);
+        let found = cells.partition_point(|(_, up_to)| *up_to <= at).min(cells.len().saturating_sub(1));
+        cells.get(found).map_or(0, |(cell, _)| *cell)
+    }
+}
+
+/// Distance of `p` to the edges of the block, in metres, at most as far as the last stratum begins.
+fn depth(patch: &Patch<'_>, p: Point) -> f64 {
+    let bounds = patch.block.bounds;
+    let (x, y) = ((p.x - bounds.min.x).min(bounds.max.x - p.x), (p.y - bounds.min.y).min(bounds.max.y - p.y));
+    let farthest = EDGES.last().map_or(0.0, |edge| edge * patch.scene.unit);
+    patch.scene.domain.clearance(p, farthest).min(x).min(y)
 }

@@ -159,9 +159,7 @@ impl<'a> Sampler<'a> {
 
     /// A place in `block` drawn by the density; `None` when the draw missed the room.
     pub(super) fn draw(&self, block: &Block, random: &mut Stream) -> Option<Point> {
-        let at = random.unit() * block.mass;
-        let cell = block.cells.partition_point(|c| c.cumulative <= at).min(block.cells.len().checked_sub(1)?);
-        self.draw_in(&block.cells[cell], random)
+        self.draw_in(block.cells.get(block.draw_cell(random))?, random)
     }
 
     /// The middle of `cell` and the radius of the circle around it, in metres.
@@ -218,6 +216,12 @@ fn distance_sq(bounds: &Bounds, p: Point) -> f64 {
 }
 
 impl Block {
+    /// The number of a cell, drawn by the density; there is none in a block without cells.
+    pub(super) fn draw_cell(&self, random: &mut Stream) -> usize {
+        let at = random.unit() * self.mass;
+        self.cells.partition_point(|c| c.cumulative <= at).min(self.cells.len().saturating_sub(1))
+    }
+
     /// The cells of the grid search.
     pub(super) fn cells(&self) -> &[Cell] {
         &self.cells
