@@ -379,6 +379,32 @@ fn in_a_larger_domain_by_small_blocks_no_curve_ends_worse_than_it_began() {
 }
 
 #[test]
+fn groups_by_blocks_leave_no_voids_and_draw_no_lines() {
+    // Sixteen times the exemplar's square by nine blocks, in each of which groups are alike.
+    let (side, across) = (40.0, 3.0);
+    let exemplar = exemplars::scattered(true, 3);
+    let domain = exemplars::rectangle(side, side);
+    let target = Target { domain: &domain, room: None, density: None, fixed: &[], counts: vec![4800] };
+    let options = SynthesisOptions { block_elements: 600, outlier_rounds: 1, ..SynthesisOptions::default() };
+    let result = pcf::synthesise(&exemplar.analysed(), &target, &options, &Run::silent()).unwrap();
+    // As many in every square of the exemplar's size, but for what independent groups of six vary by.
+    let mut tiles = [0; 16];
+    let tile = |v: f64| ((v / 10.0) as usize).min(3);
+    result.elements.iter().for_each(|e| tiles[tile(e.centre.x) + 4 * tile(e.centre.y)] += 1);
+    assert!(tiles.iter().all(|count| (175..425).contains(count)), "{tiles:?}");
+    // And along the seams as many as elsewhere.
+    let off = |v: f64| {
+        let seam = (v * across / side).round().clamp(1.0, across - 1.0) * side / across;
+        (v - seam).abs()
+    };
+    let near = |p: Point| off(p.x).min(off(p.y)) < 0.25;
+    let found = result.elements.iter().filter(|e| near(e.centre)).count() as f64;
+    let expected = 4800.0 * (1.0 - (1.0 - 2.0 * (across - 1.0) * 0.25 / side).powi(2));
+    assert!((0.65..1.4).contains(&(found / expected)), "{found} for {expected} along seams");
+    println!("{tiles:?}, {:.2} along seams", found / expected);
+}
+
+#[test]
 fn progress_of_a_synthesis_by_blocks_is_fine_and_never_falls() {
     let exemplar = exemplars::hard_core(100, 1);
     let domain = exemplars::rectangle(30.0, 30.0);
