@@ -84,7 +84,10 @@ impl<'a> Layout<'a> {
         for colour in 0..COLOURS {
             let of_colour = |b: &usize| self.sampler.blocks[*b].colour == colour && !hands[*b].is_empty();
             let blocks: Vec<usize> = (0..hands.len()).filter(of_colour).collect();
-            let fill = |b: &usize| darts::fill(&self.patch((*b, 0..0)), (*b, hands[*b].clone()), (options, meter));
+            let fill = |b: &usize| {
+                meter.run.check()?;
+                darts::fill(&self.patch((*b, 0..0)), (*b, hands[*b].clone()), (options, meter))
+            };
             let filled: Vec<Result<darts::Filled, PcfError>> = blocks.par_iter().map(fill).collect();
             for (block, filled) in blocks.iter().zip(filled) {
                 let filled = filled?;
@@ -139,6 +142,7 @@ impl<'a> Layout<'a> {
             let turn: Vec<usize> = (0..blocks.len()).filter(of_colour).collect();
             let known = self.known.take();
             let improve = |k: &usize| {
+                meter.run.check()?;
                 let mut patch = self.patch(self.blocks[*k].clone());
                 let stream = (self.scene.class as u64) << 24 | blocks[*k].0 as u64;
                 let begun = known.clone().unwrap_or_else(|| patch.individuals());
