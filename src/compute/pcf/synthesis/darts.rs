@@ -4,6 +4,7 @@ use super::filling::Filling;
 use super::meter::Meter;
 use super::partners::Partner;
 use super::patch::Patch;
+use super::strata::Strata;
 use super::trial::BARRED;
 use super::trial::Trial;
 use crate::compute::geometry::Point;
@@ -23,9 +24,6 @@ const MISSES: usize = 32;
 
 /// Places of one level of a painted density differ by at most this factor from the first.
 const LEVEL_WIDTH: f64 = 1.3;
-
-/// Where strata of cells begin, in r_max from the edges of a block (ours).
-const EDGES: [f64; 6] = [0.5, 1.0, 1.5, 2.5, 4.0, 6.0];
 
 /// What a block was filled with.
 #[derive(Debug, Clone, Default)]
@@ -56,7 +54,7 @@ pub(super) fn fill(
         random: Stream::new(options.seed, DARTS, (patch.scene.class as u64) << 32 | index as u64),
         filled: Filled::default(),
         searching: false,
-        strata: Strata::of(patch),
+        strata: Strata::of_block(patch),
     };
     for radius in radii {
         thrower.place(radius, meter.run)?;
@@ -133,7 +131,7 @@ impl Thrower<'_> {
         let level = intensity.at(p);
         let is_level = |aim: Aim| (1.0 / LEVEL_WIDTH..=LEVEL_WIDTH).contains(&(level / aim.level));
         let keeps = intensity.is_flat() || aim.is_none_or(is_level);
-        keeps.then_some((p, Aim { stratum: self.strata.of_cell[cell], level }))
+        keeps.then_some((p, Aim { stratum: self.strata.of(cell), level }))
     }
 
     /// The best of one random place in every cell of the block (T 3.5.2), ties by a coin.
@@ -165,48 +163,4 @@ impl Thrower<'_> {
         self.trial.accept(partner, &mut self.filling);
         self.filled.elements.push((p, radius));
     }
-}
-
-/// The cells of a block by their distance from its edges: seams to other blocks and the border of
-/// the domain.
-struct Strata {
-    /// The stratum of every cell.
-    of_cell: Vec<usize>,
-    /// For each stratum its cells, and Σ of the density over them up to each.
-    cells: Vec<Vec<(usize, f64)>>,
-}
-
-impl Strata {
-    /// Of the block of `patch`; of one that is all of the room one stratum, as its elements settle
-    /// along the border by themselves.
-    fn of(patch: &Patch<'_>) -> Self {
-        let edges: &[f64] = if patch.sampler.is_undivided() { &[] } else { &EDGES };
-        let mut strata = Self { of_cell: Vec::new(), cells: vec![Vec::new(); edges.len() + 1] };
-        let mut before = 0.0;
-        for (number, cell) in patch.block.cells().iter().enumerate() {
-            let depth = depth(patch, patch.sampler.circle_around(cell).0) / patch.scene.unit;
-            let stratum = edges.iter().filter(|edge| depth >= **edge).count();
-            let all = strata.cells[stratum].last().map_or(0.0, |(_, all)| *all);
-            strata.cells[stratum].push((number, all + cell.up_to() - before));
-            strata.of_cell.push(stratum);
-            before = cell.up_to();
-        }
-        strata
-    }
-
-    /// The number of a cell of a stratum that has any, drawn by the density.
-    fn draw_cell(&self, stratum: usize, random: &mut Stream) -> usize {
-        let cells = &self.cells[stratum];
-        let at = random.unit() * cells.last().map_or(0.0, |(_, all)| *all);
-        let found = cells.partition_point(|(_, up_to)| *up_to <= at).min(cells.len().saturating_sub(1));
-        cells.get(found).map_or(0, |(cell, _)| *cell)
-    }
-}
-
-/// Distance of `p` to the edges of the block, in metres, at most as far as the last stratum begins.
-fn depth(patch: &Patch<'_>, p: Point) -> f64 {
-    let bounds = patch.block.bounds;
-    let (x, y) = ((p.x - bounds.min.x).min(bounds.max.x - p.x), (p.y - bounds.min.y).min(bounds.max.y - p.y));
-    let farthest = EDGES.last().map_or(0.0, |edge| edge * patch.scene.unit);
-    patch.scene.domain.clearance(p, farthest).min(x).min(y)
 }

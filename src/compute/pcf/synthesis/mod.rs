@@ -22,6 +22,7 @@ mod sampler;
 mod scene;
 mod settle;
 mod shares;
+mod strata;
 mod trial;
 
 use crate::compute::geometry::Point;

@@ -21,6 +21,9 @@ const RINGS: usize = 24;
 /// enough linear.
 const NODE_STEP: f64 = 1.0;
 
+/// The most such places of a block.
+const MOST_NODES: f64 = 4_000.0;
+
 /// Parts of a ring in the domain, and their products, which are mixed by themselves.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Share {
@@ -74,7 +77,8 @@ pub(super) struct Shares {
 impl Shares {
     /// Of the block of `patch`, up to rings of `farthest` metres.
     pub(super) fn of(patch: &Patch<'_>, farthest: f64) -> Self {
-        let (bounds, step) = (patch.block.bounds, NODE_STEP * patch.scene.unit);
+        let bounds = patch.block.bounds;
+        let step = (NODE_STEP * patch.scene.unit).max((bounds.area() / MOST_NODES).sqrt());
         let size = |extent: f64| (extent / step) as usize + 2;
         let (columns, rows) = (size(bounds.width()), size(bounds.height()));
         let ring_step = farthest / RINGS as f64;

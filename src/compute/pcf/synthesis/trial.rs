@@ -119,6 +119,8 @@ impl<'a> Trial<'a> {
             let Some(((first, kernel), weight, distance)) = term(partner) else { return };
             add(&mut row[first..], kernel, weight);
             add_squares(&mut same[first..], kernel, weight);
+            // A move changes what both ends see, those outside the block too: were only one
+            // counted, a block could change its sums by moving elements to or from its seams.
             if is_complete {
                 let back_weight = (border.at(distance) * own_weight) as f32;
                 add(&mut back[first..], kernel, back_weight);
