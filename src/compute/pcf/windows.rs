@@ -24,7 +24,7 @@ const RADII: [f64; 3] = [1.5, 2.5, 4.0];
 const PER_RADIUS: f64 = 3.0;
 
 /// Elements of a class per square of its r_max, whatever their number (T eq. 3.1).
-const DENSITY: f64 = 1.154_700_538_379_251_5;
+pub(super) const DENSITY: f64 = 1.154_700_538_379_251_5;
 
 /// Steps of the integral over a window.
 const QUADRATURE: usize = 16;

@@ -21,6 +21,7 @@ use crate::compute::pcf::TailAxis;
 use crate::compute::pcf::WEIGHT_CAP;
 use crate::compute::pcf::analyse::expected_mass;
 use crate::compute::pcf::curve;
+use crate::compute::pcf::windows::DENSITY;
 use rayon::prelude::*;
 
 /// The class being laid out, among all that is there already.
@@ -37,6 +38,9 @@ pub(super) struct Scene<'a> {
     pub(super) views: Vec<View<'a>>,
     /// Elements of the class in the result, those that were there included.
     pub(super) count: usize,
+    /// How wide a square is in which the class is to have as many elements as in the exemplar, in
+    /// r_max.
+    pub(super) exemplar_side: f64,
     /// Centres of the class may not come nearer than this, in metres: half the exemplar's
     /// smallest distance, scaled with r_max (for disks, which keep their size, only down).
     pub(super) closest: f64,
@@ -126,6 +130,7 @@ impl<'a> Scene<'a> {
             intensity,
             views: curves.map(view).collect(),
             count: own.len(),
+            exemplar_side: (summary.count as f64 / DENSITY).sqrt(),
             closest: 0.5 * summary.closest * scale,
             squares: Kernel::new(axis).squared(),
             rows,
