@@ -2,6 +2,7 @@
 //! at every node of a wide grid, how many pairs an element there would have in every bin. A
 //! candidate reads its four nodes, whatever the number of partners.
 
+use super::nodes::Nodes;
 use super::partners::Partners;
 use super::patch::Patch;
 use super::scene::Scene;
@@ -26,10 +27,7 @@ const CONTEXT: usize = 1;
 pub(super) struct Around {
     axis: TailAxis,
     unit: f64,
-    origin: Point,
-    step: f64,
-    columns: usize,
-    rows: usize,
+    grid: Nodes,
     /// Values of a node.
     width: usize,
     nodes: Vec<f64>,
@@ -39,24 +37,19 @@ impl Around {
     /// The fields of `patch`.
     pub(super) fn of(patch: &Patch<'_>) -> Self {
         let (scene, axis) = (patch.scene, patch.scene.tail);
-        let bounds = patch.block.bounds;
-        let step = NODE_STEP * scene.unit;
-        let size = |extent: f64| if axis.bins > 0 { (extent / step) as usize + 2 } else { 0 };
-        let (columns, rows) = (size(bounds.width()), size(bounds.height()));
+        let grid = Nodes::over(patch.block.bounds, NODE_STEP * scene.unit);
         let width = axis.bins * (CONTEXT + scene.views.len());
-        let mut around =
-            Self { axis, unit: scene.unit, origin: bounds.min, step, columns, rows, width, nodes: Vec::new() };
+        let mut around = Self { axis, unit: scene.unit, grid, width, nodes: Vec::new() };
+        if axis.bins == 0 {
+            return around;
+        }
         let row = |row: usize| {
-            let nodes = (0..columns).flat_map(|column| around.node(patch, around.place(column, row)));
+            let nodes = (0..grid.columns).flat_map(|column| around.node(patch, grid.place(column, row)));
             nodes.collect::<Vec<f64>>()
         };
-        let all: Vec<Vec<f64>> = (0..rows).into_par_iter().map(row).collect();
+        let all: Vec<Vec<f64>> = (0..grid.rows).into_par_iter().map(row).collect();
         around.nodes = all.concat();
         around
-    }
-
-    fn place(&self, column: usize, row: usize) -> Point {
-        self.origin + Point::new(column as f64, row as f64) * self.step
     }
 
     /// What an element at `p` would see.
@@ -81,15 +74,15 @@ impl Around {
     /// Adds an element `times` at `p` to the nodes of `row`, of which `inner` has one value a bin.
     fn show_row(&self, inner: &mut [f64], (p, times): (Point, f64), row: usize) {
         let (nearest, farthest) = (self.axis.range().0 * self.unit, self.axis.range().1 * self.unit);
-        let (offset, bins) = (p - self.place(0, row), self.axis.bins);
+        let (offset, bins) = (p - self.grid.place(0, row), self.axis.bins);
         let half_width_sq = farthest * farthest - offset.y * offset.y;
         if half_width_sq <= 0.0 {
             return;
         }
         let (half_width, nearest_sq) = (half_width_sq.sqrt(), nearest * nearest);
-        let column = |x: f64| ((x / self.step).max(0.0) as usize).min(self.columns);
-        for column in column(offset.x - half_width)..column(offset.x + half_width + self.step) {
-            let distance_sq = (Point::new(column as f64 * self.step, 0.0) - offset).norm_sq();
+        let column = |x: f64| ((x / self.grid.step).max(0.0) as usize).min(self.grid.columns);
+        for column in column(offset.x - half_width)..column(offset.x + half_width + self.grid.step) {
+            let distance_sq = (Point::new(column as f64 * self.grid.step, 0.0) - offset).norm_sq();
             if distance_sq > nearest_sq {
                 let node = &mut inner[column * bins..(column + 1) * bins];
                 self.axis.add(node, distance_sq.sqrt() / self.unit, times);
@@ -109,8 +102,8 @@ pub(super) struct Far {
 impl Far {
     /// The fields of `around` and of elements of the block at `places`.
     pub(super) fn new(around: &Arc<Around>, places: &[Point]) -> Self {
-        let row_length = around.columns * around.axis.bins;
-        let mut inner = vec![0.0; row_length * around.rows];
+        let row_length = around.grid.columns * around.axis.bins;
+        let mut inner = vec![0.0; row_length * around.grid.rows];
         inner.par_chunks_mut(row_length.max(1)).enumerate().for_each(|(row, inner)| {
             places.iter().for_each(|p| around.show_row(inner, (*p, 1.0), row));
         });
@@ -119,10 +112,13 @@ impl Far {
 
     /// Adds an element of the block `times` at `p`.
     pub(super) fn show(&mut self, p: Point, times: f64) {
+        if self.inner.is_empty() {
+            return;
+        }
         let (around, farthest) = (&self.around, self.around.axis.range().1 * self.around.unit);
-        let row = |y: f64| ((y / around.step).max(0.0) as usize).min(around.rows);
-        let (north, row_length) = (p.y - around.origin.y, around.columns * around.axis.bins);
-        for row in row(north - farthest)..row(north + farthest + around.step) {
+        let row = |y: f64| ((y / around.grid.step).max(0.0) as usize).min(around.grid.rows);
+        let (north, row_length) = (p.y - around.grid.place(0, 0).y, around.grid.columns * around.axis.bins);
+        for row in row(north - farthest)..row(north + farthest + around.grid.step) {
             around.show_row(&mut self.inner[row * row_length..(row + 1) * row_length], (p, times), row);
         }
     }
@@ -135,14 +131,8 @@ impl Far {
         if around.nodes.is_empty() {
             return;
         }
-        let at = (p - around.origin) * (1.0 / around.step);
-        let cell = |v: f64, count: usize| (v.max(0.0) as usize).min(count - 2);
-        let (column, row) = (cell(at.x, around.columns), cell(at.y, around.rows));
-        let (u, v) = ((at.x - column as f64).clamp(0.0, 1.0), (at.y - row as f64).clamp(0.0, 1.0));
-        let corners = [(0, 0, (1.0 - u) * (1.0 - v)), (1, 0, u * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 1, u * v)];
         let (seen_around, seen_inner) = seen.split_at_mut(around.width);
-        for (x, y, share) in corners {
-            let node = (row + y) * around.columns + column + x;
+        for (node, share) in around.grid.corners(p) {
             add(seen_around, &around.nodes[node * around.width..(node + 1) * around.width], share);
             add(seen_inner, &self.inner[node * bins..(node + 1) * bins], share);
         }

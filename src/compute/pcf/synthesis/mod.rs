@@ -13,6 +13,7 @@ mod kernel_rows;
 mod layout;
 mod limits;
 mod meter;
+mod nodes;
 mod outliers;
 mod partners;
 mod patch;
@@ -268,13 +269,14 @@ impl ClassReport {
     }
 }
 
+/// How wide a block is that is all of the room, and at least; in metres.
+const ONE_BLOCK: (f64, f64) = (f64::INFINITY, 0.0);
+
 /// How wide a block is to be, and at least: all of the domain for a small class, and never less
 /// than the farthest two elements can see each other; in metres.
 fn block_width(scene: &Scene<'_>, options: &SynthesisOptions) -> (f64, f64) {
-    let bounds = scene.domain.bounds();
     if scene.count <= options.block_elements {
-        let all = bounds.width().max(bounds.height()) * 2.0;
-        return (all, all);
+        return ONE_BLOCK;
     }
     let sight = scene.metric.reach(scene.axis.reach(), scene.largest_radius(), scene.largest_radius());
     let wide = (options.block_elements.max(1) as f64 * scene.domain.area() / scene.count as f64).sqrt();
@@ -289,9 +291,7 @@ fn relative_intensity<'a>(target: &Target<'a>) -> Result<Intensity<'a>, PcfError
     }
     let total: usize = target.counts.iter().sum();
     let unit = maximal_spacing(target.domain.area(), total);
-    let bounds = target.domain.bounds();
-    let all = bounds.width().max(bounds.height()) * 2.0;
-    let whole = Sampler::new(target.domain, intensity, (unit, all, all));
+    let whole = Sampler::new(target.domain, intensity, (unit, ONE_BLOCK.0, ONE_BLOCK.1));
     let mean = whole.mass() / target.domain.area();
     if mean > 0.0 { Ok(intensity.relative_to(mean)) } else { Err(PcfError::BadDensity { reason: "0 everywhere" }) }
 }

@@ -6,6 +6,7 @@
 //! weights leave out what lies outside the domain, so at the domain's border more of a ring is the
 //! block's own than within.
 
+use super::nodes::Nodes;
 use super::patch::Patch;
 use crate::compute::geometry::Point;
 use rayon::prelude::*;
@@ -63,11 +64,7 @@ impl Share {
 /// The shares of rings of any radius around the places of a block, by a grid of places.
 #[derive(Debug, Clone)]
 pub(super) struct Shares {
-    origin: Point,
-    /// Metres from one node to the next.
-    step: f64,
-    columns: usize,
-    rows: usize,
+    grid: Nodes,
     /// Metres from one ring to the next.
     ring_step: f64,
     /// By node and ring; empty for a block that is all of the domain.
@@ -79,19 +76,17 @@ impl Shares {
     pub(super) fn of(patch: &Patch<'_>, farthest: f64) -> Self {
         let bounds = patch.block.bounds;
         let step = (NODE_STEP * patch.scene.unit).max((bounds.area() / MOST_NODES).sqrt());
-        let size = |extent: f64| (extent / step) as usize + 2;
-        let (columns, rows) = (size(bounds.width()), size(bounds.height()));
-        let ring_step = farthest / RINGS as f64;
-        let mut shares = Self { origin: bounds.min, step, columns, rows, ring_step, nodes: Vec::new() };
+        let (grid, ring_step) = (Nodes::over(bounds, step), farthest / RINGS as f64);
+        let mut shares = Self { grid, ring_step, nodes: Vec::new() };
         if patch.sampler.is_all_of(patch.scene.domain) || farthest <= 0.0 {
             return shares;
         }
         let ring = |k: usize| {
             let (node, ring) = (k / (RINGS + 1), k % (RINGS + 1));
-            let p = bounds.min + Point::new((node % columns) as f64, (node / columns) as f64) * step;
+            let p = grid.place(node % grid.columns, node / grid.columns);
             around(patch, p, ring as f64 * ring_step).unwrap_or(Share::WHOLE)
         };
-        shares.nodes = (0..columns * rows * (RINGS + 1)).into_par_iter().map(ring).collect();
+        shares.nodes = (0..grid.columns * grid.rows * (RINGS + 1)).into_par_iter().map(ring).collect();
         shares
     }
 
@@ -103,13 +98,8 @@ impl Shares {
             return;
         }
         rings.resize(RINGS + 1, Share::default());
-        let at = (p - self.origin) * (1.0 / self.step);
-        let cell = |v: f64, count: usize| (v.max(0.0) as usize).min(count - 2);
-        let (column, row) = (cell(at.x, self.columns), cell(at.y, self.rows));
-        let (u, v) = ((at.x - column as f64).clamp(0.0, 1.0), (at.y - row as f64).clamp(0.0, 1.0));
-        let corners = [(0, 0, (1.0 - u) * (1.0 - v)), (1, 0, u * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 1, u * v)];
-        for (x, y, part) in corners {
-            let first = ((row + y) * self.columns + column + x) * (RINGS + 1);
+        for (node, part) in self.grid.corners(p) {
+            let first = node * (RINGS + 1);
             for (ring, share) in rings.iter_mut().zip(&self.nodes[first..]) {
                 *ring = Share::mixed((*ring, 1.0), (*share, part));
             }
